@@ -19,7 +19,9 @@ float shadow_texel(uint shadow, ivec2 texel, float depth) {
 
 // 1 where a position is lit, 0 in the set's shadow: the mean of 3×3 bilinear comparisons, which use 4×4 texels.
 // `normal` is the unit normal of the surface, or 0 inside a volume. Against self-shadowing, the position is moved off
-// its surface in proportion to the surface's slope over the filter's width, and by half a texel towards the light.
+// its surface, and by half a texel of depth towards the light. Depths are measured along the light's axis. Of a plane
+// they change over r metres of the map by at most r times the plane's slope against the map, so that it is that slope
+// which counts, and not the one against the ray: at the edge of a wide cone these differ.
 float set_shadow(uint light, vec3 world, vec3 normal) {
     const ShaderLight from = lights.light[light];
     if (from.shadow == kNoShadow || lights.set_shadows == 0u) return 1.0;
@@ -29,8 +31,10 @@ float set_shadow(uint light, vec3 world, vec3 normal) {
     // The size of a texel at the position, metres: clip x and y grow by `scale` per metre and span 2 w.
     const float scale = length(vec3(from.clip_from_world[0].x, from.clip_from_world[1].x, from.clip_from_world[2].x));
     const float texel = 2.0 * w / (scale * float(kSetShadowSide));
-    const float cosine = clamp(dot(normal, to_light), 0.0, 1.0);
-    const vec3 lifted = world + normal * (3.0 * texel * sqrt(1.0 - cosine * cosine)) + to_light * (0.5 * texel + 1e-4);
+    const float facing = min(abs(dot(normal, from.direction.xyz)), 1.0);
+    const float along_axis = max(-dot(to_light, from.direction.xyz), 0.05);
+    const vec3 lifted = world + normal * (3.0 * texel * sqrt(1.0 - facing * facing)) +
+                        to_light * (0.5 * texel / along_axis + 1e-4);
     const vec4 clip = from.clip_from_world * vec4(lifted, 1.0);
     if (clip.w <= 0.0) return 1.0;
     const vec3 projected = clip.xyz / clip.w;

@@ -1,4 +1,6 @@
 // Shadows of the set and of performers, against analytic rays to the lights.
+#include <fmt/format.h>
+
 #include <glm/gtc/constants.hpp>
 
 #include "gpu/commands.h"
@@ -171,6 +173,52 @@ TEST_F(SetShadowTest, AWallMeetsItsShadow) {
     const Agreement agreement = compare(drawn, camera, floor_before_wall, kMaterial, lighting);
     EXPECT_LT(agreement.worst, kColourTolerance);
     EXPECT_GT(agreement.covered, 500u);
+}
+
+// A rectangle that faces the lamp, without its edges.
+Surface plane_of(glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v) {
+    const glm::dvec3 normal = glm::normalize(glm::cross(u, v));
+    return [=](const reference::Ray& ray) -> std::optional<Hit> {
+        const double t = glm::dot(corner - ray.origin, normal) / glm::dot(ray.direction, normal);
+        const glm::dvec3 position = ray.origin + t * ray.direction, from = position - corner;
+        const double a = glm::dot(from, u) / glm::dot(u, u), b = glm::dot(from, v) / glm::dot(v, v);
+        if (t <= 0 || std::min(a, b) < 0.02 || std::max(a, b) > 0.98) return std::nullopt;
+        return Hit{position, normal};
+    };
+}
+
+// A lamp that shines straight down with a wide cone: what it reaches from the side has no stripes of its own shadow,
+// though it faces the light and the map sees it at a steep angle.
+TEST_F(SetShadowTest, WideConesLeaveNoStripes) {
+    const struct {
+        const char* name;
+        glm::vec3 corner, u, v;
+    } planes[] = {{"floor", {0.5f, 0, 0.5f}, {1.5f, 0, 0}, {0, 0, -1}},
+                  {"wall", {1.5f, 0, -0.5f}, {0, 0, 1}, {0, 0.8f, 0}},
+                  {"slope", {1.2f, 0, -0.5f}, {0, 0, 1}, {0.5f, 0.5f, 0}}};
+    for (const double degrees : {40.0, 60.0, 70.0, 78.0})
+        for (const auto& plane : planes) {
+            SCOPED_TRACE(fmt::format("{} at {}°", plane.name, degrees));
+            render::SetLight lamp = spot();
+            lamp.position = {0, 1.2, 0};
+            lamp.direction = {0, -1, 0};
+            lamp.inner_cos = 1;
+            lamp.outer_cos = std::cos(glm::radians(degrees));
+            lamp.colour = {200, 200, 200};
+            lamp.casts_shadow = true;
+            GlbBuilder glb;
+            json material = pbr_material({0.8f, 0.5f, 0.2f, 1}, 0, 0.8);
+            material["doubleSided"] = true;
+            add_mesh(glb, rectangle(plane.corner, plane.u, plane.v), material);
+            Lighting lighting{{lamp}, {}};
+            lighting.ambient.light = glm::dvec3(0.5);
+            const stage::Camera camera = look_at({-1, 1.2, 0.3}, {1.3, 0.3, 0}, kSide, kSide, 1.4);
+            const SetImages drawn = draw(device(), glb, camera, lighting);
+            const Agreement agreement =
+                compare(drawn, camera, plane_of(plane.corner, plane.u, plane.v), kMaterial, lighting);
+            EXPECT_LT(agreement.worst, kColourTolerance);
+            EXPECT_GT(agreement.covered, 100u);
+        }
 }
 
 TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
