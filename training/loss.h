@@ -18,9 +18,13 @@ constexpr NamedLossWeight kLossWeights[] = {
     {"grad", &LossWeights::grad, "Weight of the gradient loss L_grad"},
     {"point", &LossWeights::point, "Weight of the loss of each sample's own colour"},
     {"smooth", &LossWeights::smoothness, "Weight of the difference in opacity of neighbouring leaves"}};
-constexpr LossWeights kDefaultLossWeights{0.1f, 0.2f, 5e-4f};
+constexpr LossWeights kDefaultLossWeights{.grad = 0.1f, .point = 0.2f, .smoothness = 5e-4f};
 // The same but for the smoothness, which not every kind of step computes.
-constexpr LossWeights kLossWeightsWithoutSmoothness{kDefaultLossWeights.grad, kDefaultLossWeights.point, 0};
+constexpr LossWeights kLossWeightsWithoutSmoothness = [] {
+    LossWeights weights = kDefaultLossWeights;
+    weights.smoothness = 0;
+    return weights;
+}();
 
 // What the rays of a batch should see, and the loss with its derivatives; all in the order of the rays.
 struct LossBatch {

@@ -163,10 +163,12 @@ struct RowsAdjointPush {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::LossPush) == 20);
+static_assert(sizeof(neuvv::LossWeights) % 4 == 0 && alignof(neuvv::LossWeights) == 4);
+static_assert(sizeof(neuvv::LossPush) == sizeof(neuvv::LossWeights) + 8);
 static_assert(sizeof(neuvv::ScatterPush) == 4);
-static_assert(sizeof(neuvv::SmoothPush) == 28);
-static_assert(sizeof(neuvv::TraceAdjointPush) == 60);
+static_assert(sizeof(neuvv::SmoothPush) == sizeof(neuvv::LossWeights) + 16);
+static_assert(sizeof(neuvv::TraceAdjointPush) == sizeof(neuvv::LossWeights) + 48);
+static_assert(sizeof(neuvv::TraceAdjointPush) <= 128, "what Vulkan guarantees for push constants");
 static_assert(sizeof(neuvv::SliceAdjointPush) == 64);
 static_assert(sizeof(neuvv::RowsAdjointPush) == 44);
 #endif

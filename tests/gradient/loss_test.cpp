@@ -77,9 +77,10 @@ DeviceLoss loss_on(const gpu::Device& device, const LossScene& scene, uint32_t s
     }
     std::copy(scene.colours.begin(), scene.colours.end(), batch.colours.as<CameraColour>());
     std::copy(scene.background.begin(), scene.background.end(), batch.background.as<glm::vec4>());
+    LossWeights weights{};
+    weights.grad = static_cast<float>(kLambda);
     gpu::run_once(device, "loss", [&](gpu::Commands& commands) {
-        training::record_loss(commands, loss, kTiles, LossWeights{static_cast<float>(kLambda), 0, 0}, samples,
-                              !scene.colours.empty());
+        training::record_loss(commands, loss, kTiles, weights, samples, !scene.colours.empty());
     });
     DeviceLoss result{std::vector<glm::vec4>(scene.radiance.size()), std::vector<glm::vec4>(kTiles),
                       std::vector<CameraColour>(kTiles)};

@@ -16,7 +16,12 @@ struct Scene {
     std::vector<Tile> tiles;
     std::vector<glm::vec4> target, background;  // as in LossBatch
     float frame = 1.3f;                         // between two rows
-    LossWeights weights{0.1f, 0.3f, 0};
+    LossWeights weights = [] {
+        LossWeights each{};
+        each.grad = 0.1f;
+        each.point = 0.3f;
+        return each;
+    }();
     float stop = 0;  // 0: rays never end early
 };
 
