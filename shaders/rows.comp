@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"
 #include "shared/slice.h"
+#include "temporal_basis.glsl"
 
 layout(local_size_x = 64) in;
 READ_ARRAY(float, kRowsSigmaBasis, sigma_basis);
@@ -46,14 +47,12 @@ void write_rows() {
 
 void main() {
     const uint column = gl_LocalInvocationID.x;
-    const float frame = clamp(push.frame, 0.0, float(push.frames - 1u));
-    const uint before = min(uint(frame), push.frames - 1u), after = min(before + 1u, push.frames - 1u);
-    const float part = frame - float(before);
+    const TimeRows time = rows_of_time(push.frame, push.frames);
     float sigma = 0.0, gamma = 0.0;
     if (column < push.bases) {
-        const int a = int(before * push.bases + column), b = int(after * push.bases + column);
-        sigma = mix(FETCH(sigma_basis, a).x, FETCH(sigma_basis, b).x, part);
-        gamma = mix(FETCH(gamma_basis, a).x, FETCH(gamma_basis, b).x, part);
+        const int a = int(time.first * push.bases + column), b = int(time.second * push.bases + column);
+        sigma = row_element(time, FETCH(sigma_basis, a).x, FETCH(sigma_basis, b).x);
+        gamma = row_element(time, FETCH(gamma_basis, a).x, FETCH(gamma_basis, b).x);
     }
     row[column] = vec2(sigma, gamma);
     barrier();

@@ -18,6 +18,7 @@
 #include "training/psi_tree.h"
 #include "training/schedule.h"
 #include "voctree/nvv.h"
+#include "voctree/temporal_basis.h"
 
 namespace neuvv::tools {
 
@@ -173,7 +174,7 @@ void write_empty(const TrainOptions& options, const training::Dataset& dataset) 
     tree.bases = 1;
     tree.hh_degree = options.settings.shape.hh_degree;
     if (dataset.fps > 0) tree.fps = static_cast<float>(dataset.fps);
-    tree.sigma_basis.assign(tree.frames, 1);
+    tree.sigma_basis = voctree::hat_basis(tree.frames, 1);
     tree.gamma_basis = tree.sigma_basis;
     voctree::build_topology(tree, {});
     voctree::write_nvv(options.output, tree);

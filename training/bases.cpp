@@ -23,45 +23,7 @@ void solve_in_place(std::vector<double>& matrix, std::vector<double>& right, siz
     }
 }
 
-bool is_identity(const std::vector<float>& basis, uint32_t size) {
-    for (uint32_t t = 0; t < size; t++)
-        for (uint32_t c = 0; c < size; c++)
-            if (basis[size_t{t} * size + c] != (t == c ? 1.0f : 0.0f)) return false;
-    return true;
-}
-
 }  // namespace
-
-std::vector<float> hat_basis(uint32_t frames, uint32_t bases) {
-    assert(bases >= 1 && bases <= frames);
-    std::vector<float> basis(size_t{frames} * bases);
-    const double knots_per_frame = frames > 1 ? (bases - 1.0) / (frames - 1.0) : 0;
-    for (uint32_t t = 0; t < frames; t++)
-        for (uint32_t c = 0; c < bases; c++)
-            basis[size_t{t} * bases + c] = static_cast<float>(std::max(0.0, 1 - std::abs(t * knots_per_frame - c)));
-    return basis;
-}
-
-bool has_basis_per_frame(const voctree::VOctree& tree) {
-    return tree.frames == tree.bases && is_identity(tree.sigma_basis, tree.bases) &&
-           is_identity(tree.gamma_basis, tree.bases);
-}
-
-void sigma_of_frames(const voctree::VOctree& tree, const float* leaf, std::vector<float>& values) {
-    for (uint32_t t = 0; t < tree.frames; t++) {
-        values[t] = 0;
-        for (uint32_t c = 0; c < tree.bases; c++) values[t] += tree.sigma_basis[size_t{t} * tree.bases + c] * leaf[c];
-    }
-}
-
-std::vector<float> initial_gamma_weights(uint32_t bases) {
-    std::vector<float> weights(bases);
-    for (uint32_t c = 0; c < bases; c++) {
-        const double share = bases > 1 ? 0.1 + 0.8 * c / (bases - 1.0) : 0.3;  // γ/π
-        weights[c] = static_cast<float>(std::log(share / (1 - share)));
-    }
-    return weights;
-}
 
 BasisSolver::BasisSolver(const std::vector<float>& basis, uint32_t frames, uint32_t bases)
     : frames_(frames), bases_(bases) {

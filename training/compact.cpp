@@ -30,7 +30,7 @@ float rounded_share(float value, float share) {
 }  // namespace
 
 void empty_thin_leaves(voctree::VOctree& tree) {
-    if (!has_basis_per_frame(tree)) return;
+    if (!voctree::has_basis_per_frame(tree)) return;
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
@@ -44,7 +44,7 @@ void empty_thin_leaves(voctree::VOctree& tree) {
 
 void make_compact(voctree::VOctree& tree) {
     const uint32_t bases = tree.bases;
-    const bool basis_per_frame = has_basis_per_frame(tree);
+    const bool basis_per_frame = voctree::has_basis_per_frame(tree);
     const Steps steps = basis_per_frame ? kBasisPerFrame : kSharedBases;
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {

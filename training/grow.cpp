@@ -110,7 +110,7 @@ float constant_weight(float linear) {
 
 void set_initial_weights(const Dataset& dataset, voctree::VOctree& tree, const Carved& carved) {
     const BasisSolver solver(tree.sigma_basis, tree.frames, tree.bases);
-    const std::vector<float> gamma = initial_gamma_weights(tree.bases);
+    const std::vector<float> gamma = voctree::initial_gamma_weights(tree.bases);
     const float sigma = density_of(tree, carved.positions[0].depth, kInitialOpacity);
     tree.weights.assign(size_t{tree.leaf_count} * tree.weights_per_leaf(), 0);
     std::vector<glm::vec3> centres(tree.leaf_count);
@@ -247,7 +247,7 @@ voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t 
     const double side = std::max({size.x, size.y, size.z}) / resolution * (1u << depth);
     tree.box_size = glm::vec3(static_cast<float>(side));
     tree.box_min = glm::vec3(0.5 * (box.first + box.second) - 0.5 * side);
-    tree.sigma_basis = hat_basis(tree.frames, tree.bases);
+    tree.sigma_basis = voctree::hat_basis(tree.frames, tree.bases);
     tree.gamma_basis = tree.sigma_basis;
 
     const uint32_t target = std::max(depth - std::min(levels_above, depth - 1), 1u);
@@ -312,7 +312,7 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
             float* leaf = result.leaf(static_cast<uint32_t>(i));
             std::memcpy(leaf, parent, sizeof(float) * tree.weights_per_leaf());
             if (i < kept && !settings.empty_unused) continue;
-            sigma_of_frames(tree, parent, values);
+            voctree::sigma_of_frames(tree, parent, values);
             if (settings.empty_unused) fit_to_use(tree, use, parents[i], grown[i].depth, values);
             if (i >= kept) fit_to_hull(dataset, tree, carved, i - kept, values);
             solver.solve(values.data(), leaf);

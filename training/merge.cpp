@@ -60,16 +60,14 @@ bool any(const Shares& shares) {
 }
 
 float opacity_of(const voctree::VOctree& tree, const float* leaf, uint32_t frame, float edge_m) {
-    float sigma = 0;
-    for (uint32_t c = 0; c < tree.bases; c++) sigma += tree.sigma_basis[size_t{frame} * tree.bases + c] * leaf[c];
+    const float sigma = voctree::row_product(&tree.sigma_basis[size_t{frame} * tree.bases], leaf, tree.bases);
     return 1 - std::exp(-std::max(sigma, 0.0f) * edge_m);
 }
 
 // A leaf's colour in linear light: that of the functions that do not depend on the direction.
 glm::vec3 colour_of(const voctree::VOctree& tree, const float* leaf, uint32_t frame) {
-    float gamma = 0;
-    for (uint32_t c = 0; c < tree.bases; c++)
-        gamma += tree.gamma_basis[size_t{frame} * tree.bases + c] * leaf[tree.bases + c];
+    const float gamma =
+        voctree::row_product(&tree.gamma_basis[size_t{frame} * tree.bases], leaf + tree.bases, tree.bases);
     const float cosine = std::cos(kPi / (1 + std::exp(-gamma)));
     glm::vec3 value(0);
     // H_n00 = U_n(cos γ) H_000, with Chebyshev polynomials U_n of the second kind (errata 1, 2). Its number among the
@@ -171,7 +169,7 @@ bool agree(const voctree::VOctree& tree, const LeafUse& use, bool basis_per_fram
 std::vector<Family> agreeing_families(const voctree::VOctree& tree, const LeafUse& use,
                                       const std::vector<voctree::LeafPosition>& positions, float within) {
     std::vector<Family> families = complete_families(positions);
-    const bool basis_per_frame = has_basis_per_frame(tree);
+    const bool basis_per_frame = voctree::has_basis_per_frame(tree);
     parallel_for(families.size(), 256, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
             const float edge_m = tree.box_size.x / static_cast<float>(1u << positions[families[i].leaves[0]].depth);

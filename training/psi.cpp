@@ -65,7 +65,8 @@ PsiNetwork initial_psi(const PsiShape& shape, glm::vec3 box_min, glm::vec3 box_s
     float* output = &network.parameters[shape.output_offset()];
     fill_layer(output, shape.width, shape.width, shape.outputs(), 0.02, random);
     float* bias = output + size_t{shape.width} * shape.outputs();
-    const std::vector<float> gamma = initial_gamma_weights(shape.bases), hats = hat_basis(shape.frames, shape.bases);
+    const std::vector<float> gamma = voctree::initial_gamma_weights(shape.bases),
+                             hats = voctree::hat_basis(shape.frames, shape.bases);
     std::fill(bias, bias + shape.bases, kInitialFog);
     std::copy(gamma.begin(), gamma.end(), bias + shape.bases);
     std::copy(hats.begin(), hats.end(), &network.parameters[shape.sigma_rows_offset()]);

@@ -55,7 +55,7 @@ uint32_t at_least_four(const std::array<uint32_t, 6>& leaves, const std::vector<
 }  // namespace
 
 size_t revive_holes(voctree::VOctree& tree) {
-    if (!has_basis_per_frame(tree)) return 0;
+    if (!voctree::has_basis_per_frame(tree)) return 0;
     const size_t words = (tree.frames + 31) / 32;
     const std::vector<uint32_t> live = live_frames(tree, words);
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);

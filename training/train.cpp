@@ -370,8 +370,8 @@ StepSettings Run::step_settings(double time) const {
     if (run_.phase < kLevelsAbovePixel) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
     settings.adam.step = run_.adam_step;
     settings.adam.min_used_weight = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
-    if (has_basis_per_frame(tree_) && epochs_of_run() >= kBoundedEpochs && !has(run_.left_out, OptionalPart::kBound) &&
-        settings.frame == std::round(settings.frame))
+    if (voctree::has_basis_per_frame(tree_) && epochs_of_run() >= kBoundedEpochs &&
+        !has(run_.left_out, OptionalPart::kBound) && settings.frame == std::round(settings.frame))
         settings.adam.least_depth = kLeastDepth;
     settings.stop = kTrainingStop;
     settings.weights = run_.weights;

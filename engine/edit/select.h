@@ -7,7 +7,7 @@
 
 #include "render/paint.h"
 #include "voctree/frame_leaves.h"
-#include "voctree/leaf_density.h"
+#include "voctree/temporal_basis.h"
 
 namespace neuvv::edit {
 

@@ -6,7 +6,7 @@
 
 #include "render/trace.h"
 #include "voctree/coarse.h"
-#include "voctree/leaf_density.h"
+#include "voctree/temporal_basis.h"
 
 namespace neuvv::render {
 

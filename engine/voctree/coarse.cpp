@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "voctree/leaf_density.h"
 #include "voctree/round.h"
+#include "voctree/temporal_basis.h"
 
 namespace neuvv::voctree {
 

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "base/parallel.h"
-#include "voctree/leaf_density.h"
 #include "voctree/sh_weights.h"
 
 namespace neuvv::voctree {
@@ -14,30 +13,7 @@ namespace {
 
 constexpr size_t kTreeLeavesOfPart = 4096;
 
-float dot(const std::vector<float>& row, const float* weights) {
-    float sum = 0;
-    for (size_t c = 0; c < row.size(); c++) sum += row[c] * weights[c];
-    return sum;
-}
-
-// The row of a basis at a frame, 0 to frames − 1.
-std::vector<float> row_at(const std::vector<float>& basis, uint32_t bases, double frame, uint32_t frames) {
-    const auto first = static_cast<uint32_t>(frame);
-    const uint32_t second = std::min(first + 1, frames - 1);
-    const auto share = static_cast<float>(frame - first);
-    std::vector<float> row(bases);
-    for (uint32_t c = 0; c < bases; c++)
-        row[c] = std::lerp(basis[size_t{first} * bases + c], basis[size_t{second} * bases + c], share);
-    return row;
-}
-
 }  // namespace
-
-RowsAtTime::RowsAtTime(const VOctree& tree, double frame) {
-    const double at = std::clamp(frame, 0.0, tree.frames - 1.0);
-    sigma = row_at(tree.sigma_basis, tree.bases, at, tree.frames);
-    gamma = row_at(tree.gamma_basis, tree.bases, at, tree.frames);
-}
 
 std::vector<LiveLeaf> live_leaves(const VOctree& tree, const RowsAtTime& rows, const FrameEdits& edits,
                                   float least_opacity) {
@@ -46,7 +22,7 @@ std::vector<LiveLeaf> live_leaves(const VOctree& tree, const RowsAtTime& rows, c
     parallel_for(leaves.size(), kTreeLeavesOfPart, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
             const auto leaf = static_cast<uint32_t>(i);
-            const float unpainted = std::max(dot(rows.sigma, tree.leaf(leaf)), 0.0f);
+            const float unpainted = std::max(row_product(rows.sigma.data(), tree.leaf(leaf), tree.bases), 0.0f);
             const float sigma = edits.painted_density(leaf, unpainted);
             const float opacity = sigma > 0 ? 1 - std::exp(-sigma * leaf_edge_m(tree, positions[i].depth)) : 0;
             leaves[i] = {first_cell(positions[i], 2 * tree.node_levels), positions[i].depth, leaf, sigma, opacity};
@@ -59,7 +35,7 @@ std::vector<LiveLeaf> live_leaves(const VOctree& tree, const RowsAtTime& rows, c
 
 LeafColours leaf_colours(const VOctree& tree, uint32_t leaf, const RowsAtTime& rows, const FrameEdits& edits) {
     const float* weights = tree.leaf(leaf) + tree.bases;
-    const float angle = dot(rows.gamma, weights);
+    const float angle = row_product(rows.gamma.data(), weights, tree.bases);
     const float share = 1 / (1 + std::exp(-angle));
     const Radial radial = radial_functions(std::numbers::pi * double{share});
     weights += tree.bases;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "voctree/slice_paint.h"
+#include "voctree/temporal_basis.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::voctree {
@@ -15,13 +16,6 @@ struct LiveLeaf {
     uint32_t leaf = 0;   // index into the tree
     float sigma = 0;     // 1/m
     float opacity = 0;   // along the mean of its edges: 1 − exp(−σ · edge)
-};
-
-// The rows A_t and B_t at a frame, mixed linearly between two frames (errata 9). Before the first and behind the last
-// frame they are theirs.
-struct RowsAtTime {
-    RowsAtTime(const VOctree& tree, double frame);
-    std::vector<float> sigma, gamma;  // one for each basis
 };
 
 // The leaves of a tree whose opacity is at least `least_opacity` at a time, under layers of paint, in order of their

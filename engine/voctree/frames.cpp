@@ -4,7 +4,7 @@
 #include <cassert>
 
 #include "base/parallel.h"
-#include "voctree/leaf_density.h"
+#include "voctree/temporal_basis.h"
 
 namespace neuvv::voctree {
 

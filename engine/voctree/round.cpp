@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "base/parallel.h"
-#include "voctree/leaf_density.h"
+#include "voctree/temporal_basis.h"
 
 namespace neuvv::voctree {
 

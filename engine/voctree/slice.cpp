@@ -9,8 +9,8 @@
 #include "base/parallel.h"
 #include "media/image.h"
 #include "voctree/frame_leaves.h"
-#include "voctree/leaf_density.h"
 #include "voctree/sh_weights.h"
+#include "voctree/temporal_basis.h"
 
 namespace neuvv::voctree {
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <tuple>
 
-#include "voctree/leaf_density.h"
 #include "voctree/occupied_box.h"
+#include "voctree/temporal_basis.h"
 
 namespace neuvv::voctree {
 
@@ -73,14 +73,10 @@ SolidLeaves::SolidLeaves(const VOctree& tree) : rows_(tree.sigma_basis), bases_(
 
 // Per leaf the area that it hides, square metres.
 std::vector<float> SolidLeaves::areas_at(double frame) const {
-    const double at = std::clamp(frame, 0.0, frames_ - 1.0);
-    const auto before = static_cast<size_t>(at), after = std::min<size_t>(before + 1, frames_ - 1);
-    const auto share = static_cast<float>(at - static_cast<double>(before));
+    const std::vector<float> elements = row_at(rows_, bases_, frame, frames_);
     std::vector<BasisEntry> row;  // those of A_t that are not 0
-    for (uint32_t basis = 0; basis < bases_; basis++) {
-        const float value = (1 - share) * rows_[before * bases_ + basis] + share * rows_[after * bases_ + basis];
-        if (value != 0) row.push_back({0, basis, value});
-    }
+    for (uint32_t basis = 0; basis < bases_; basis++)
+        if (elements[basis] != 0) row.push_back({0, basis, elements[basis]});
     std::vector<float> areas(edges_m_.size());
     for (size_t leaf = 0; leaf < areas.size(); leaf++) {
         float sigma = 0;

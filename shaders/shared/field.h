@@ -11,7 +11,6 @@
 
 NEUVV_SHARED
 
-CONSTEXPR uint kMaxBasisPlanes = kMaxBases / 4u;
 CONSTEXPR uint kMostWeightParts = 8u;
 
 // Rows A_t and B_t at one (fractional) frame, a uniform buffer. The planes of a row that are not all 0 come first, so

@@ -5,6 +5,7 @@
 // The colour of a slice is given in real SH of degree n_max: (n_max+1)² functions, index l² + l + m.
 #ifndef NEUVV_SHARED_HH_COUNTS_H
 #define NEUVV_SHARED_HH_COUNTS_H
+#include "shared/temporal_basis.h"
 #include "shared/types.h"
 
 NEUVV_SHARED
@@ -12,7 +13,6 @@ NEUVV_SHARED
 CONSTEXPR uint kMaxHhDegree = 3u;
 CONSTEXPR uint kMaxHhCount = 30u;
 CONSTEXPR uint kMaxShCount = 16u;
-CONSTEXPR uint kMaxBases = 64u;  // C: temporal bases of density and of hyper angle
 
 #ifdef __cplusplus
 constexpr

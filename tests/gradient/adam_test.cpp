@@ -151,7 +151,7 @@ TEST_F(AdamTest, LeavesRememberHowTheyWereUsed) {
 TEST_F(AdamTest, DensitiesStayAboveTheirBound) {
     Scene scene = random_scene({.tree = {.seed = 57, .leaves = 300, .bases = 3, .hh_degree = 1}});
     scene.tree.frames = 3;
-    scene.tree.sigma_basis = scene.tree.gamma_basis = training::hat_basis(3, 3);
+    scene.tree.sigma_basis = scene.tree.gamma_basis = voctree::hat_basis(3, 3);
     constexpr float kBound = 0.01f;
     const auto depths_after_a_step = [&](float bound) {
         training::TrainingStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()));

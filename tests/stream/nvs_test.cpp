@@ -14,8 +14,8 @@
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 #include "voctree/clip.h"
-#include "voctree/leaf_density.h"
 #include "voctree/slice.h"
+#include "voctree/temporal_basis.h"
 
 namespace neuvv::test::nvs_test {
 namespace {

@@ -15,7 +15,7 @@ namespace {
 voctree::VOctree tree_of(uint32_t frames, uint32_t bases, uint32_t hh_degree = 1) {
     voctree::VOctree tree = random_tree({.seed = 5, .leaves = 200, .bases = bases, .hh_degree = hh_degree});
     tree.frames = frames;
-    tree.sigma_basis = tree.gamma_basis = training::hat_basis(frames, bases);
+    tree.sigma_basis = tree.gamma_basis = voctree::hat_basis(frames, bases);
     return tree;
 }
 

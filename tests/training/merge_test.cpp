@@ -23,7 +23,7 @@ voctree::VOctree families_tree(uint32_t families) {
     tree.bases = tree.frames = kFrames;
     tree.hh_degree = 1;
     tree.box_size = glm::vec3(2);
-    tree.sigma_basis = tree.gamma_basis = training::hat_basis(kFrames, kFrames);
+    tree.sigma_basis = tree.gamma_basis = voctree::hat_basis(kFrames, kFrames);
     std::vector<voctree::LeafPosition> positions;
     for (uint32_t family = 0; family < families; family++)
         for (uint32_t i = 0; i < 8; i++) positions.push_back({2 * family + (i & 1), i >> 1 & 1, i >> 2, 3});
@@ -181,7 +181,7 @@ TEST(Merge, ManyFramesThatShareBases) {
     const auto merged = [](uint32_t frame_used) {
         voctree::VOctree tree = families_tree(2);
         tree.frames = kMany;
-        tree.sigma_basis = tree.gamma_basis = training::hat_basis(kMany, kFrames);
+        tree.sigma_basis = tree.gamma_basis = voctree::hat_basis(kMany, kFrames);
         for (uint32_t i = 0; i < 8; i++) tree.leaf(i)[2] *= i == 6 ? 2.0f : 1.0f;  // the last knot: from frame 20 on
         training::LeafUse use = use_of(tree);
         use.frames.assign(size_t{2} * tree.leaf_count, 0);

@@ -21,7 +21,7 @@ voctree::VOctree sheet(uint32_t side, uint32_t bases = kRevivedFrames) {
     tree.frames = kRevivedFrames;
     tree.hh_degree = 0;
     tree.box_size = glm::vec3(2);
-    tree.sigma_basis = tree.gamma_basis = training::hat_basis(kRevivedFrames, bases);
+    tree.sigma_basis = tree.gamma_basis = voctree::hat_basis(kRevivedFrames, bases);
     std::vector<voctree::LeafPosition> positions;
     for (uint32_t i = 0; i < side * side; i++) positions.push_back({1 + i % side, 1 + i / side, 5, 3});
     voctree::build_topology(tree, positions);

@@ -10,8 +10,8 @@
 #include "support/nvv_bytes.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
-#include "voctree/leaf_density.h"
 #include "voctree/nvv.h"
+#include "voctree/temporal_basis.h"
 
 namespace neuvv::test {
 namespace {

@@ -9,7 +9,7 @@
 #include "reference/sample.h"
 #include "reference/slice.h"
 #include "support/random_tree.h"
-#include "voctree/leaf_density.h"
+#include "voctree/temporal_basis.h"
 
 namespace neuvv::test {
 namespace {

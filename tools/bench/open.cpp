@@ -20,6 +20,7 @@
 #include "voctree/coarse.h"
 #include "voctree/half.h"
 #include "voctree/nvv.h"
+#include "voctree/temporal_basis.h"
 
 namespace neuvv::bench {
 
@@ -160,8 +161,7 @@ voctree::VOctree synthetic_scene(double megabytes) {
     tree.box_size = glm::vec3(2);
     tree.bases = tree.frames = kSyntheticFrames;
     tree.hh_degree = 1;
-    tree.sigma_basis.assign(size_t{kSyntheticFrames} * kSyntheticFrames, 0.0f);
-    for (size_t t = 0; t < kSyntheticFrames; t++) tree.sigma_basis[t * kSyntheticFrames + t] = 1;
+    tree.sigma_basis = voctree::hat_basis(kSyntheticFrames, kSyntheticFrames);
     tree.gamma_basis = tree.sigma_basis;
     std::vector<voctree::LeafPosition> positions = shell(depth, radius);
     const auto before = [&](const voctree::LeafPosition& a, const voctree::LeafPosition& b) {

@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"
 #include "shared/training.h"
+#include "temporal_basis.glsl"
 
 layout(local_size_x = 2 * kMaxBases) in;
 layout(binding = kRowsAdjointPartials, std430) readonly buffer Partials { float partials[]; };
@@ -38,9 +39,8 @@ void main() {
     if (column >= push.bases) return;
     float gradient = 0.0;
     for (uint group = 0u; group < count.groups_x; group++) gradient += partials[group * (2u * kMaxBases) + lane];
-    const float frame = clamp(push.frame, 0.0, float(push.frames - 1u));
-    const uint before = min(uint(frame), push.frames - 1u);
-    const float part = frame - float(before);
-    move_element(lane >= kMaxBases, before, column, (1.0 - part) * gradient);
-    if (part > 0.0) move_element(lane >= kMaxBases, before + 1u, column, part * gradient);
+    const TimeRows time = rows_of_time(push.frame, push.frames);
+    const vec2 shares = row_element_adjoint(time);
+    move_element(lane >= kMaxBases, time.first, column, shares.x * gradient);
+    if (shares.y > 0.0) move_element(lane >= kMaxBases, time.second, column, shares.y * gradient);
 }
