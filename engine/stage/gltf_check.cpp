@@ -193,6 +193,14 @@ void check_types(const std::string& file, const Json& root) {
         for (const MemberRule& rule : kTextureRules) check_rule(file, root, fmt::format("{}/{}", path, texture), rule);
 }
 
+// What an error message advises for a required extension that is unknown.
+std::string fix_of_extension(const std::string& name) {
+    for (const char* compression : {"draco", "meshopt", "basisu", "texture_webp", "texture_avif", "texture_dds"})
+        if (name.find(compression) != std::string::npos)
+            return "export without compression of meshes and textures, which this program does not read";
+    return "export without it, or take it out of the list where the scene makes sense without";
+}
+
 // What has a type that is checked, but values that tinygltf refuses without saying where.
 void check_values(const std::string& file, const Json& root) {
     const auto at = [&](const std::string& path, const auto& visit) {
@@ -233,9 +241,9 @@ void check_values(const std::string& file, const Json& root) {
         const Json& accessors = root.contains("accessors") ? root["accessors"] : Json::array();
         if (index >= accessors.size())
             throw InputError(file, place + "/indices", fmt::format("accessor {} does not exist", index));
-        if (!accessors[index].contains("bufferView"))
-            throw InputError(file, place + "/indices", "has no bufferView, and so no triangle",
-                             "export the mesh with indices in a buffer");
+        const Json extensions = primitive.value("extensions", Json::object());
+        if (!accessors[index].contains("bufferView") && extensions.contains("KHR_draco_mesh_compression"))
+            throw InputError(file, place, "is compressed by KHR_draco_mesh_compression", fix_of_extension("draco"));
     });
 }
 
@@ -344,14 +352,6 @@ void check_version(const GltfPlace& source, const Json& root) {
             throw InputError(source.file, fmt::format("/asset/{}", name),
                              fmt::format("is glTF {}, this program reads 2.0", version), "export it as glTF 2.0");
     }
-}
-
-// What an error message advises for a required extension that is unknown.
-std::string fix_of_extension(const std::string& name) {
-    for (const char* compression : {"draco", "meshopt", "basisu", "texture_webp", "texture_avif", "texture_dds"})
-        if (name.find(compression) != std::string::npos)
-            return "export without compression of meshes and textures, which this program does not read";
-    return "export without it, or take it out of the list where the scene makes sense without";
 }
 
 void check_extensions(const GltfPlace& source, const Json& root) {

@@ -16,6 +16,9 @@ namespace {
 // Limit on the decoded pixels of all images together, because a few bytes of PNG can decode to a gigabyte.
 constexpr uint64_t kMaxImagePixels = uint64_t{1} << 28;
 
+// Of a texture whose image is only in an extension that is not read, as EXT_texture_webp.
+constexpr uint32_t kNoImage = UINT32_MAX;
+
 GltfWrap wrap_mode(const GltfScene& scene, int value, const std::string& place) {
     switch (value) {
         case TINYGLTF_TEXTURE_WRAP_REPEAT:
@@ -32,10 +35,10 @@ GltfWrap wrap_mode(const GltfScene& scene, int value, const std::string& place) 
 GltfTexture texture_of(const GltfScene& scene, const tinygltf::Model& model, size_t index) {
     const tinygltf::Texture& source = model.textures[index];
     const std::string place = fmt::format("/textures/{}", index);
-    if (source.source < 0 || static_cast<size_t>(source.source) >= model.images.size())
+    if (source.source >= static_cast<int>(model.images.size()))
         throw InputError(scene.file, place + "/source", "has no image of the model", "use PNG or JPEG textures");
     GltfTexture texture;
-    texture.image = static_cast<uint32_t>(source.source);
+    texture.image = source.source < 0 ? kNoImage : static_cast<uint32_t>(source.source);
     if (source.sampler < 0) return texture;
     if (static_cast<size_t>(source.sampler) >= model.samplers.size())
         throw InputError(scene.file, place + "/sampler", fmt::format("{} does not exist", source.sampler));
@@ -129,13 +132,14 @@ GltfMaterial material_of(const GltfScene& scene, const tinygltf::Material& sourc
     return material;
 }
 
-// The index of the texture of one slot of a material (−1: none), and the transform of its UVs.
+// The index of the texture of one slot of a material (−1: none that is read), and the transform of its UVs.
 template <typename Info>
 int32_t read_texture(const GltfScene& scene, const Info& info, const std::string& place, TextureTransform& transform) {
     transform = transform_of(scene, info, place);
     if (info.index >= static_cast<int>(scene.textures.size()))
         throw InputError(scene.file, place + "/index", fmt::format("{} does not exist", info.index));
-    return info.index < 0 ? -1 : info.index;
+    const bool is_read = info.index >= 0 && scene.textures[static_cast<size_t>(info.index)].image != kNoImage;
+    return is_read ? info.index : -1;
 }
 
 }  // namespace
@@ -160,6 +164,11 @@ std::vector<MaterialTransforms> load_materials(GltfScene& scene, const tinygltf:
         read(GltfMap::kOcclusion, source.occlusionTexture, place + "/occlusionTexture");
         read(GltfMap::kEmissive, source.emissiveTexture, place + "/emissiveTexture");
     }
+    const auto without_image =
+        std::ranges::count_if(scene.textures, [](const GltfTexture& texture) { return texture.image == kNoImage; });
+    if (without_image > 0)
+        scene.notes.push_back(fmt::format("leaves out {} of {} textures, which have no PNG or JPEG", without_image,
+                                          scene.textures.size()));
     return transforms;
 }
 

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
+#include <span>
 
 #include "stage/gltf_check.h"
 #include "stage/stage_file.h"
@@ -98,7 +100,52 @@ void mend_lengths(Json& root, const std::string& folder, MendedGltf& mended) {
     }
 }
 
+void mend_indices(Json& root, MendedGltf& mended) {
+    for (Json& mesh : list_of(root, "meshes"))
+        for (Json& primitive : mesh["primitives"]) {
+            if (!primitive.contains("indices")) continue;
+            if (root["accessors"][primitive["indices"].get<size_t>()].contains("bufferView")) continue;
+            primitive["attributes"][kSparseIndices] = primitive["indices"];
+            primitive.erase("indices");
+            mended.changed = true;
+        }
+}
+
+// Members that hold an index or a size, lists of indices, and objects of them.
+constexpr std::array<const char*, 26> kWhole = {
+    "buffer",  "bufferView", "byteLength", "byteOffset", "byteStride", "camera",   "componentType", "count", "index",
+    "indices", "input",      "light",      "magFilter",  "material",   "mesh",     "minFilter",     "mode",  "node",
+    "output",  "sampler",    "scene",      "skin",       "source",     "texCoord", "wrapS",         "wrapT"};
+constexpr std::array<const char*, 4> kWholeInside = {"attributes", "children", "joints", "nodes"};
+
+bool is_one_of(std::span<const char* const> names, const std::string& name) {
+    return std::ranges::any_of(names, [&](const char* each) { return name == each; });
+}
+
+bool make_whole(Json& value) {
+    constexpr double kMost = uint64_t{1} << 53;
+    if (!value.is_number_float()) return false;
+    const auto number = value.get<double>();
+    if (!(number >= 0 && number <= kMost) || std::floor(number) != number) return false;
+    value = static_cast<uint64_t>(number);
+    return true;
+}
+
 }  // namespace
+
+bool mend_whole_numbers(Json& root) {
+    bool changed = false;
+    if (!root.is_structured()) return false;
+    for (auto item = root.begin(); item != root.end(); ++item) {
+        const std::string name = root.is_object() ? item.key() : "";
+        if (name == "extras") continue;
+        if (is_one_of(kWhole, name) || name == "inverseBindMatrices") changed |= make_whole(*item);
+        if (is_one_of(kWholeInside, name) && item->is_structured())
+            for (Json& element : *item) changed |= make_whole(element);
+        changed |= mend_whole_numbers(*item);
+    }
+    return changed;
+}
 
 MendedGltf mend_gltf(Json& root, const std::string& folder) {
     MendedGltf mended;
@@ -107,6 +154,7 @@ MendedGltf mend_gltf(Json& root, const std::string& folder) {
     mend_lights(root, mended);
     mend_data_uris(root, mended);
     mend_lengths(root, folder, mended);
+    mend_indices(root, mended);
     std::string unread;
     for (const Json& extension : list_of(root, "extensionsUsed"))
         if (!is_read_extension(extension.get<std::string>()))

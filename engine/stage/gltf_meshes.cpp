@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "stage/gltf_mend.h"
 #include "stage/gltf_parse.h"
 #include "stage/gltf_scene.h"
 #include "stage/gltf_tangents.h"
@@ -175,8 +176,9 @@ void PrimitiveLoader::read_indices() {
     if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP && mode != TINYGLTF_MODE_TRIANGLE_FAN)
         fail("/mode", fmt::format("{} is not triangles, a strip or a fan", mode), "export triangles only");
     std::vector<uint32_t> indices;
-    if (source.indices >= 0) {
-        indices = stage::read_integers(reader, source.indices, 1, place + "/indices");
+    const int accessor = source.indices >= 0 ? source.indices : attribute(kSparseIndices);
+    if (accessor >= 0) {
+        indices = stage::read_integers(reader, accessor, 1, place + "/indices");
         for (size_t i = 0; i < indices.size(); ++i)
             if (indices[i] >= out.positions.size())
                 fail("/indices",
@@ -210,7 +212,6 @@ void PrimitiveLoader::read_targets() {
 }
 
 void PrimitiveLoader::read_vertices() {
-    if (attribute("POSITION") < 0) fail("/attributes", "has no POSITION");
     out.positions = vectors<glm::vec3>(attribute("POSITION"), "/attributes/POSITION");
     if (attribute("NORMAL") < 0) return;
     out.normals = vectors<glm::vec3>(attribute("NORMAL"), "/attributes/NORMAL");
@@ -298,8 +299,8 @@ bool is_of_points_or_lines(const tinygltf::Primitive& primitive) {
 
 void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<MaterialTransforms>& transforms) {
     std::vector<GltfMesh> meshes;
-    std::string without_surface;  // meshes that have points and lines
-    size_t other_targets = 0;     // primitives
+    std::string without_surface;                      // meshes that have points and lines
+    size_t other_targets = 0, without_positions = 0;  // primitives
     for (size_t m = 0; m < reader.model.meshes.size(); ++m) {
         const tinygltf::Mesh& source = reader.model.meshes[m];
         const std::string place = fmt::format("/meshes/{}", m);
@@ -311,6 +312,10 @@ void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<Mat
             const std::string at = fmt::format("{}/primitives/{}", place, p);
             if (is_of_points_or_lines(source.primitives[p])) {
                 has_points_or_lines = true;
+                continue;
+            }
+            if (!source.primitives[p].attributes.contains("POSITION")) {
+                without_positions++;
                 continue;
             }
             other_targets += has_other_targets(source.primitives[p]) ? 1 : 0;
@@ -332,6 +337,8 @@ void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<Mat
     }
     scene.meshes = std::move(meshes);
     if (!without_surface.empty()) scene.notes.push_back("draws no points, lines or splats: " + without_surface);
+    if (without_positions > 0)
+        scene.notes.push_back(fmt::format("leaves out {} primitives without positions", without_positions));
     if (other_targets > 0)
         scene.notes.push_back(
             fmt::format("morphs positions and normals; {} primitives have targets of colours or texture coordinates",

@@ -74,9 +74,10 @@ std::vector<std::string> check_json(Source& source) {
     }
     if (!root.is_object())
         throw InputError(source.file, "", "is neither a .glb nor a JSON object", "give a glTF 2.0 file");
+    const bool had_floats = mend_whole_numbers(root);
     check_gltf(root, {source.file, source.folder, source.container.binary, source.container.bin_size});
     MendedGltf mended = mend_gltf(root, source.folder);
-    if (mended.changed)
+    if (mended.changed || had_floats)
         source.bytes = with_json(source, root.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     else if (source.container.binary && has_odd_chunks(source))
         source.bytes = with_json(source, text);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
@@ -353,6 +354,61 @@ TEST(GltfScene, ReadsWhatTinygltfRefuses) {
     glb.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "spot"}}};
     glb.root["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
     EXPECT_NEAR(scene_of(glb).lights.at(0).outer_cone_rad, glm::radians(45.0), 1e-3);
+}
+
+// JSON does not tell 24 and 24.0 apart, and some exporters write all numbers so.
+TEST(GltfScene, WholeNumbersMayHaveAPoint) {
+    const stage::GltfScene truth = scene_of(arm());
+    GlbBuilder glb = arm();
+    const std::function<void(json&)> add_points = [&](json& value) {
+        if (value.is_number_integer()) value = value.get<double>();
+        if (value.is_structured())
+            for (json& element : value) add_points(element);
+    };
+    add_points(glb.root);
+    ASSERT_NE(glb.root.dump().find("\"count\":3.0"), std::string::npos);
+    const stage::GltfScene scene = scene_of(glb);
+    EXPECT_EQ(scene.meshes.at(0).primitives.at(0).positions, truth.meshes[0].primitives[0].positions);
+    EXPECT_EQ(scene.skins.at(0).joints, truth.skins[0].joints);
+    EXPECT_EQ(scene.nodes.at(1).children, truth.nodes[1].children);
+    glb.root["nodes"][1]["children"][0] = 2.5;
+    EXPECT_NE(error_of(glb), "");
+    glb.root["nodes"][1]["children"][0] = -2.0;
+    EXPECT_NE(error_of(glb), "");
+}
+
+TEST(GltfScene, SparseIndicesNeedNoBufferOfTheirOwn) {
+    GlbBuilder glb = triangle();
+    const std::vector<uint8_t> places = {1, 2};
+    const std::vector<uint16_t> values = {1, 2};
+    glb.root["accessors"].push_back(
+        {{"componentType", test::kU16},
+         {"count", 3},
+         {"type", "SCALAR"},
+         {"sparse",
+          {{"count", 2},
+           {"indices", {{"bufferView", glb.add_view(places.data(), 2)}, {"componentType", test::kU8}}},
+           {"values", {{"bufferView", glb.add_view(values.data(), 4)}}}}}});
+    primitive(glb)["indices"] = 1;
+    EXPECT_EQ(scene_of(glb).meshes.at(0).primitives.at(0).indices, (std::vector<uint32_t>{0, 1, 2}));
+    primitive(glb)["extensions"]["KHR_draco_mesh_compression"] = json::object();
+    expect_error(glb, "/meshes/0/primitives/0", "compressed by KHR_draco_mesh_compression");
+    primitive(glb)["indices"] = 9;
+    expect_error(glb, "/meshes/0/primitives/0/indices", "accessor 9 does not exist");
+}
+
+TEST(GltfScene, LeavesOutWhatHasNoImageOrNoPositions) {
+    GlbBuilder glb = triangle();
+    glb.root["textures"] = {{{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}}};
+    glb.root["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+    primitive(glb)["material"] = 0;
+    glb.root["meshes"][0]["primitives"].push_back({{"attributes", json::object()}});
+    const stage::GltfScene scene = scene_of(glb);
+    EXPECT_EQ(scene.materials.at(0).texture, -1);
+    EXPECT_EQ(scene.meshes.at(0).primitives.size(), 1u);
+    const std::vector<std::string> notes = {"leaves out 1 of 1 textures, which have no PNG or JPEG",
+                                            "leaves out 1 primitives without positions"};
+    EXPECT_EQ(scene.notes, notes);
 }
 
 TEST(GltfScene, SaysWhatItDoesNotShow) {
