@@ -228,20 +228,24 @@ TEST(VdbReader, CutsWhatIsInfinite) {
     EXPECT_EQ(grids.at(0).values, (std::vector<float>{interchange::kMostVdbValue, interchange::kMostVdbValue, 0}));
 }
 
-TEST(VdbReader, NamesGridsOfOtherTypes) {
-    using namespace openvdb;
-    const TemporaryFolder folder;
-    const std::filesystem::path path = folder.path / "x.vdb";
-    initialize();
-    using Vec2SGrid = Grid<tree::Tree4<Vec2s, 5, 4, 3>::Type>;
-    if (!Vec2SGrid::isRegistered()) Vec2SGrid::registerGrid();
-    const Vec2SGrid::Ptr pairs = Vec2SGrid::create();
+// A type that is not read.
+openvdb::GridBase::Ptr grid_of_pairs() {
+    using Pairs = openvdb::Grid<openvdb::tree::Tree4<openvdb::Vec2s, 5, 4, 3>::Type>;
+    openvdb::initialize();
+    if (!Pairs::isRegistered()) Pairs::registerGrid();
+    const Pairs::Ptr pairs = Pairs::create();
     pairs->setName("uv");
-    pairs->tree().setValue({1, 2, 3}, Vec2s(1, 2));
-    const FloatGrid::Ptr floats = random_floats("density", 1);
-    write_grids(path, {pairs, floats}, 4);
-    const std::vector<VdbGrid> grids = interchange::read_vdb(path).grids;
+    pairs->tree().setValue({1, 2, 3}, openvdb::Vec2s(1, 2));
+    return pairs;
+}
+
+TEST(VdbReader, NamesGridsOfOtherTypes) {
+    const TemporaryFolder folder;
+    const openvdb::FloatGrid::Ptr floats = random_floats("density", 1);
+    write_grids(folder.path / "x.vdb", {grid_of_pairs(), floats}, 4);
+    const std::vector<VdbGrid> grids = interchange::read_vdb(folder.path / "x.vdb").grids;
     ASSERT_EQ(grids.size(), 2u);
+    EXPECT_EQ(grids[0].name, "uv");
     EXPECT_EQ(grids[0].unread, "is of the type vec2s");
     expect_same(*floats, grids[1], 0);
 }
@@ -333,15 +337,11 @@ size_t place_of(const std::vector<uint8_t>& bytes, const std::string& text) {
 
 TEST(VdbReader, RefusesGridsThatEndBeforeTheyBegin) {
     const TemporaryFolder folder;
-    openvdb::initialize();
-    const auto numbers = openvdb::Int32Grid::create(1);
-    numbers->setName("id");
-    numbers->tree().setValue({1, 2, 3}, 4);
-    write_grids(folder.path / "x.vdb", {numbers, random_floats("density", 1)}, 0);
+    write_grids(folder.path / "x.vdb", {grid_of_pairs(), random_floats("density", 1)}, 0);
     std::vector<uint8_t> bytes = read_file(folder.path / "x.vdb");
     EXPECT_EQ(interchange::parse_vdb(bytes, "x.vdb").grids.size(), 2u);
     // Behind the type: the name of the grid that it shares voxels with, which is empty, and three places.
-    const std::string type = "Tree_int32_5_4_3";
+    const std::string type = "Tree_vec2s_5_4_3";
     const size_t end = place_of(bytes, type) + type.size() + 4 + 2 * sizeof(uint64_t);
     for (const uint64_t odd : {uint64_t{0}, uint64_t{60}, uint64_t{bytes.size() + 1}, UINT64_MAX}) {
         overwrite(bytes, end, &odd, sizeof(odd));
@@ -410,7 +410,7 @@ TEST(VdbVolume, NamesGridsThatItCannotShow) {
 // Without a colour it is white, and can be seen on black.
 TEST(VdbVolume, DrawsOnAnyBackground) {
     const interchange::VdbVolume volume = volume_of_grids({row_of<openvdb::FloatGrid>("density", 1, 1000)});
-    const stage::Camera camera = look_at({0, 0, 4}, {0, 0, 0}, 33, 33, 4);
+    const stage::Camera camera = look_at({0, 0, 40}, {0, 0, 0}, 33, 33, 4);
     EXPECT_EQ(interchange::vdb_image(volume, camera, [] {}).at(16, 16)[0], 255);
     const media::Image image = interchange::vdb_image(
         volume, camera, [] {}, glm::vec3(0));
