@@ -34,13 +34,14 @@ void draw_guide(media::Image& image, const stage::Camera& camera, const glm::dma
 }
 
 void draw_remarks(media::Image& image, const coach::Coach& coach) {
-    constexpr Colour kWhite = {255, 255, 255};
-    const int dot = std::max(2, static_cast<int>(image.height / 180));
-    int y = 4 * dot;
-    const auto line = [&](std::string text, const Colour& colour) {
-        if (const size_t sign = text.find("°"); sign != std::string::npos) text.replace(sign, 2, " deg");
-        draw_text(image, 4 * dot, y, text, colour, dot);
-        y += 8 * dot;
+    constexpr Colour kWhite = {255, 255, 255}, kShade = {0, 0, 0};
+    const int height = std::max(12, static_cast<int>(image.height / 22)), edge = height * 2 / 3;
+    int y = edge;
+    const auto line = [&](const std::string& text, const Colour& colour) {
+        const int shade = std::max(1, height / 16);  // letters stand on what the clip shows there
+        draw_text(image, edge + shade, y + shade, text, kShade, height);
+        draw_text(image, edge, y, text, colour, height);
+        y += height * 5 / 4;
     };
     if (coach.feedback().score >= 0) line(fmt::format("score {:.0f}", coach.feedback().score), kWhite);
     for (const std::string& text : coach.remarks()) line(text, {255, 90, 70});

@@ -67,7 +67,7 @@ void draw_camera(media::Image& image, const Panel& panel, const training::RigCam
     }
     // The name stands behind the camera, where no frustum is.
     const std::string name = camera.name.substr(camera.name.size() - std::min(camera.name.size(), kLongestName));
-    const glm::dvec2 length(static_cast<double>(kGlyphWidth * name.size()), kGlyphHeight);
+    const glm::dvec2 length(text_width(name), kTextHeight);
     const glm::dvec2 back = apex - panel(position_of(camera) - glm::dvec3(camera.world_from_camera[2]));
     const double distance = glm::length(back);
     const glm::dvec2 away = distance > 1e-6 ? back / distance : glm::dvec2(0, -1);

@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-#include "ui_fonts/icons.h"
-#include "ui_fonts/roboto.h"
+#include "tools/ui/fonts.h"
 
 namespace neuvv::ui {
 
@@ -82,13 +81,14 @@ void apply_theme(float scale) {
     config.OversampleH = 2;
     static constexpr ImWchar kFontRanges[] = {0x20,   0x24f,  0x370,  0x3ff,  0x400, 0x52f,
                                               0x2010, 0x205e, 0x2190, 0x21ff, 0};
-    atlas.AddFontFromMemoryTTF(const_cast<unsigned char*>(roboto), sizeof(roboto), pixels, &config, kFontRanges);
+    atlas.AddFontFromMemoryTTF(const_cast<unsigned char*>(roboto_font().data()), static_cast<int>(roboto_font().size()),
+                               pixels, &config, kFontRanges);
     config.MergeMode = true;
     config.GlyphMinAdvanceX = std::round(pixels * 1.15f);
     config.GlyphOffset.y = std::round(pixels / 15);
     static constexpr ImWchar kIconRanges[] = {0xf000, 0xf2e0, 0};
-    atlas.AddFontFromMemoryTTF(const_cast<unsigned char*>(icons), sizeof(icons), std::round(pixels * 0.93f), &config,
-                               kIconRanges);
+    atlas.AddFontFromMemoryTTF(const_cast<unsigned char*>(icon_font().data()), static_cast<int>(icon_font().size()),
+                               std::round(pixels * 0.93f), &config, kIconRanges);
 }
 
 VkClearColorValue background_colour() {
