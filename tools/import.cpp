@@ -56,10 +56,10 @@ std::vector<std::filesystem::path> files_of(const std::string& input) {
     const std::filesystem::path path(input), folder = path.parent_path();
     const std::string name = path.filename().string();
     const auto numbered = NumberedPath::parse(name);
-    if (!numbered) return {input};
-    const size_t before = name.rfind('%'), others = numbered->file("").size();  // characters
-    std::vector<uint64_t> numbers;
     std::error_code error;
+    if (!numbered || std::filesystem::is_regular_file(path, error)) return {input};
+    const size_t before = numbered->before().size(), others = numbered->file("").size();  // characters
+    std::vector<uint64_t> numbers;
     for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, error)) {
         const std::string found = entry.path().filename().string();
         if (found.size() <= others || found.size() > others + kMostDigits) continue;

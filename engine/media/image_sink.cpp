@@ -279,10 +279,8 @@ ImageOutput parse_output(const std::string& text) {
     if (ending != ".png" && !exr)
         throw InputError("--output", text, "is no .mp4, .mov, .png or .exr",
                          "write out.mp4, out.mov, out_%04d.png, out.png, out_%04d.exr or out.exr");
-    if (text.find('%') == std::string::npos) return {ImageOutput::Kind::kImage, text, exr};
-    if (!NumberedPath::parse(text) || text.find('%') != text.rfind('%'))
-        throw InputError("--output", text, "needs one place for the image's number", "write it as in out_%04d.png");
-    return {ImageOutput::Kind::kNumberedImages, text, exr};
+    const bool numbered = NumberedPath::parse_output("--output", text).has_value();
+    return {numbered ? ImageOutput::Kind::kNumberedImages : ImageOutput::Kind::kImage, text, exr};
 }
 
 bool ImageOutput::holds_alpha() const {
@@ -295,10 +293,9 @@ std::filesystem::path ImageOutput::file(const std::string& in_place_of_number) c
 }
 
 std::filesystem::path ImageOutput::deep_file(uint32_t i) const {
-    std::string pattern = path.string();
     if (kind != Kind::kNumberedImages) return path.parent_path() / (path.stem().string() + "_deep.exr");
-    pattern.insert(pattern.rfind('%'), "deep_");
-    return NumberedPath::parse(pattern).value().file(uint64_t{i});
+    const NumberedPath numbered = NumberedPath::parse(path.string()).value();
+    return numbered.file("deep_" + numbered.digits(i));
 }
 
 std::filesystem::path ImageOutput::file(uint32_t i) const {

@@ -88,6 +88,28 @@ TEST_F(Sink, DamagedRecordsAreNamed) {
     }
 }
 
+// A percent sign is a place for the number in the name of a file alone, and there only before a d.
+TEST(ImageOutput, OnlyTheNameOfAFileHasAPlaceForTheNumber) {
+    using Kind = media::ImageOutput::Kind;
+    for (const char* still : {"take 50%dry/still.png", "50%.png", "a/50%/%s.exr", "100%%.png"}) {
+        EXPECT_EQ(media::parse_output(still).kind, Kind::kImage) << still;
+        EXPECT_EQ(media::parse_output(still).file(7), still);
+    }
+    const media::ImageOutput dry = media::parse_output("take 50%dry/x%_%04d.exr");
+    EXPECT_EQ(dry.kind, Kind::kNumberedImages);
+    EXPECT_EQ(dry.file(7), "take 50%dry/x%_0007.exr");
+    EXPECT_EQ(dry.deep_file(7), "take 50%dry/x%_deep_0007.exr");
+    EXPECT_EQ(media::parse_output("%d/%d.png").file(12), "%d/12.png");
+    EXPECT_EQ(media::parse_output("50%dry/a.mp4").kind, Kind::kVideo);
+    const TemporaryFolder folder;
+    expect_input_error([&] { media::parse_output((folder.path / "shot_%04d" / "a.png").string()); },
+                       {"%04d in the name of a folder", "out_%04d.png"});
+    std::filesystem::create_directory(folder.path / "shot_%04d");
+    EXPECT_EQ(media::parse_output((folder.path / "shot_%04d" / "a.png").string()).kind, Kind::kImage);
+    for (const char* wrong : {"a_%4d.png", "a_%00d.png", "a_%012d.png", "%d_%d.png", "%04d_%04d.exr"})
+        expect_input_error([&] { media::parse_output(wrong); }, {wrong, "one place"});
+}
+
 TEST_F(Sink, VideosKeepTheirPicturesWhereAsked) {
     const auto fill = [](media::ImageSink& into, uint32_t from, uint32_t to) {
         for (uint32_t i = from; i < to; ++i) into.add(i, image_of(static_cast<uint8_t>(20 * i)));

@@ -89,7 +89,7 @@ void write_stage(const ExportOptions& options, const StageKind& kind, const Comm
     if (!editor::has_stage_ending(options.scene))
         throw InputError("scene", options.scene, fmt::format("is no stage, of which --as {} is made", kind.name),
                          "make one of a clip: neuvv stage new SHOW.gltf, neuvv stage add SHOW.gltf CLIP");
-    if (options.output.find('%') != std::string::npos)
+    if (NumberedPath::parse_output("--output", options.output))
         throw InputError("--output", options.output, "is one file without a frame's number", "leave the % out");
     nlohmann::ordered_json more = nlohmann::ordered_json::object();
     const std::string text = kind.write(options, common, more);

@@ -24,7 +24,7 @@ ExportRun::ExportRun(const ExportOptions& options, ExportedClip& clip, FrameExpo
     : options_(options),
       clip_(clip),
       kind_(kind),
-      numbered_(NumberedPath::parse(options.output)),
+      numbered_(NumberedPath::parse_output("--output", options.output)),
       frames_(clip.frames_in(options.frames)) {
     expect_files_for_frames(std::filesystem::path(options.output).extension().string());
     prepare_output_file("--output", numbered_ ? numbered_->file(uint64_t{frames_.first}) : options.output);
@@ -36,9 +36,6 @@ ExportRun::ExportRun(const ExportOptions& options, ExportedClip& clip, FrameExpo
 }
 
 void ExportRun::expect_files_for_frames(const std::string& ending) const {
-    if (options_.output.find('%') != (numbered_ ? options_.output.rfind('%') : std::string::npos))
-        throw InputError("--output", options_.output, "needs one place for the frame's number",
-                         fmt::format("write it as in out_%04d{}", ending));
     if (!numbered_ && !kind_.holds_many() && frames_.count() > 1)
         throw InputError("--output", options_.output, fmt::format("holds one frame, not {}", frames_.count()),
                          fmt::format("write out_%04d{}, or choose one with --frames", ending));
