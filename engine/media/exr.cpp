@@ -89,6 +89,7 @@ LinearImage decode(const std::string& name, const std::vector<uint8_t>& bytes) {
         static_cast<uint64_t>(width * height) > kMaxExrPixels)
         throw InputError(name, "dataWindow", fmt::format("is {}×{} pixels", width, height),
                          fmt::format("a side has 1 to {}, an image at most {}", kMaxSide, kMaxExrPixels));
+    expect_content({static_cast<uint32_t>(width), static_cast<uint32_t>(height)}, bytes.size(), name);
     for (const char* colour : {"R", "G", "B"})
         if (!file.header().channels().findChannel(colour))
             throw InputError(name, "channels", fmt::format("has no {}", colour), "export it as RGB or RGBA");

@@ -18,18 +18,24 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "media/orientation.h"
 
 namespace neuvv::media {
 
 namespace {
 
 constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 31;
-constexpr uint64_t kMaxDeflateRatio = 1032;  // no stream in zlib's format grows by more
-constexpr int kMaxJpegScans = 200;           // a progressive file with more scans is made to waste time
+constexpr uint64_t kMaxDeflateRatio = 1032;                 // no stream in zlib's format grows by more
+constexpr uint64_t kLargeImage_pixels = uint64_t{1} << 25;  // 8K video has fewer
+constexpr uint64_t kMaxPixelsPerByte = 256;                 // photographs have less than 20
+constexpr int kMaxJpegScans = 200;                          // a progressive file with more scans is made to waste time
 constexpr int kPngCompression = 4;  // with one filter: several times faster than the default, files slightly larger
 
 constexpr uint8_t kPng[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 constexpr uint8_t kJpeg[3] = {0xff, 0xd8, 0xff};
+constexpr int kExifMarker = JPEG_APP0 + 1;
+constexpr unsigned kMaxMarkerBytes = 0xffff;
+constexpr uint8_t kExif[6] = {'E', 'x', 'i', 'f', 0, 0};  // before the TIFF structure
 
 // libpng and libjpeg report errors by longjmp, which skips destructors. So functions below that call setjmp have local
 // variables of plain types only, and their callers own what must be freed.
@@ -195,8 +201,8 @@ bool begin_jpeg(JpegReader& reader, const uint8_t* bytes, size_t size) {
     return true;
 }
 
-// The size in a JPEG's header; false where it has none.
-bool read_jpeg_size(JpegReader& reader, std::FILE* file) {
+// Reads a JPEG's header, with Exif; false where it has none.
+bool read_jpeg_head(JpegReader& reader, std::FILE* file) {
     reader.info.err = jpeg_std_error(&reader.errors);
     reader.errors.error_exit = on_jpeg_error;
     reader.errors.emit_message = on_jpeg_message;
@@ -204,8 +210,63 @@ bool read_jpeg_size(JpegReader& reader, std::FILE* file) {
     if (setjmp(reader.jump)) return false;
     jpeg_create_decompress(&reader.info);
     jpeg_stdio_src(&reader.info, file);
+    jpeg_save_markers(&reader.info, kExifMarker, kMaxMarkerBytes);
     jpeg_read_header(&reader.info, TRUE);
     return true;
+}
+
+ImageHead jpeg_head(std::FILE* file, const std::string& name) {
+    JpegReader reader;
+    if (!read_jpeg_head(reader, file))
+        throw InputError(name, "", fmt::format("damaged or unsupported JPEG: {}", reader.message),
+                         "export the image again, as RGB or grey");
+    ImageHead head{{reader.info.image_width, reader.info.image_height}};
+    for (const jpeg_marker_struct* marker = reader.info.marker_list; marker; marker = marker->next)
+        if (marker->marker == kExifMarker && marker->data_length >= sizeof(kExif) &&
+            std::memcmp(marker->data, kExif, sizeof(kExif)) == 0)
+            head.orientation = exif_orientation(marker->data + sizeof(kExif), marker->data_length - sizeof(kExif));
+    return head;
+}
+
+// The size, and the Exif of a chunk before the pixels.
+ImageHead png_head(std::FILE* file, const std::string& name) {
+    ImageHead head;
+    bool has_size = false;
+    uint8_t chunk[8];
+    std::vector<uint8_t> data;
+    while (std::fread(chunk, 1, sizeof(chunk), file) == sizeof(chunk) && std::memcmp(chunk + 4, "IDAT", 4) != 0) {
+        const uint32_t bytes = big_endian_32(chunk);
+        const bool is_header = std::memcmp(chunk + 4, "IHDR", 4) == 0, is_exif = std::memcmp(chunk + 4, "eXIf", 4) == 0;
+        data.resize((is_header || is_exif) && bytes <= kMaxMarkerBytes ? bytes : 0);
+        if (std::fread(data.data(), 1, data.size(), file) != data.size()) break;
+        if (is_header && data.size() >= 8) {
+            head.stored = {big_endian_32(&data[0]), big_endian_32(&data[4])};
+            has_size = true;
+        }
+        if (is_exif) head.orientation = exif_orientation(data.data(), data.size());
+        if (std::fseek(file, static_cast<long>(bytes - data.size()) + 4, SEEK_CUR) != 0) break;
+    }
+    if (!has_size) throw InputError(name, "IHDR", "truncated or damaged PNG", "export the image again");
+    return head;
+}
+
+using OwnedFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+ImageHead head_of(std::FILE* file, const std::string& name) {
+    uint8_t start[sizeof(kPng)] = {};
+    const size_t got = std::fread(start, 1, sizeof(start), file);
+    ImageHead head;
+    if (got == sizeof(start) && std::memcmp(start, kPng, sizeof(kPng)) == 0) {
+        head = png_head(file, name);
+    } else if (got == sizeof(start) && std::memcmp(start, kJpeg, sizeof(kJpeg)) == 0) {
+        std::rewind(file);
+        head = jpeg_head(file, name);
+    } else {
+        throw InputError(name, "", got == 0 ? "the file is empty or no file" : "is neither a PNG nor a JPEG",
+                         "convert the image to PNG");
+    }
+    check_size(head.stored.width, head.stored.height, name);
+    return head;
 }
 
 bool finish_jpeg(JpegReader& reader, uint8_t* rgba) {
@@ -289,35 +350,34 @@ Image decode_image(const uint8_t* bytes, size_t size, const std::string& name) {
                      "convert the image to PNG");
 }
 
-ImageSize image_size(const std::filesystem::path& path) {
-    const std::string name = path.string();
+ImageHead image_head(const std::filesystem::path& path) {
     expect_regular_file(path);
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-    if (!file) throw InputError(name, "", fmt::format("cannot open: {}", std::strerror(errno)));
-    uint8_t head[24] = {};
-    const size_t got = std::fread(head, 1, sizeof(head), file.get());
-    ImageSize size;
-    if (got == sizeof(head) && std::memcmp(head, kPng, sizeof(kPng)) == 0) {
-        size = {big_endian_32(head + 16), big_endian_32(head + 20)};
-    } else if (got == sizeof(head) && std::memcmp(head, kJpeg, sizeof(kJpeg)) == 0) {
-        std::rewind(file.get());
-        JpegReader reader;
-        if (!read_jpeg_size(reader, file.get()))
-            throw InputError(name, "", fmt::format("damaged or unsupported JPEG: {}", reader.message),
-                             "export the image again, as RGB or grey");
-        size = {reader.info.image_width, reader.info.image_height};
-    } else {
-        throw InputError(name, "", got == 0 ? "the file is empty or no file" : "is neither a PNG nor a JPEG",
-                         "convert the image to PNG");
-    }
-    check_size(size.width, size.height, name);
-    return size;
+    const OwnedFile file(std::fopen(path.c_str(), "rb"), std::fclose);
+    if (!file) throw InputError(path.string(), "", fmt::format("cannot open: {}", std::strerror(errno)));
+    return head_of(file.get(), path.string());
+}
+
+ImageHead image_head(const uint8_t* bytes, size_t size, const std::string& name) {
+    if (size == 0) throw InputError(name, "", "the file is empty", "convert the image to PNG");
+    // It is only read.
+    const OwnedFile file(fmemopen(const_cast<uint8_t*>(bytes), size, "rb"), std::fclose);
+    if (!file) throw std::bad_alloc();
+    return head_of(file.get(), name);
+}
+
+void expect_content(ImageSize size, uint64_t bytes, const std::string& name) {
+    const uint64_t pixels = uint64_t{size.width} * size.height;
+    if (pixels > kLargeImage_pixels && pixels / kMaxPixelsPerByte > bytes)
+        throw InputError(
+            name, "", fmt::format("is {}×{} in {} bytes, as no image of anything is", size.width, size.height, bytes),
+            "scale it down");
 }
 
 Image read_png(const std::filesystem::path& path) {
     const std::vector<uint8_t> bytes = read_file(path, kMaxImageFileBytes);
     if (bytes.size() >= 2 && bytes[0] == 0xff && bytes[1] == 0xd8)
         throw InputError(path.string(), "", "is a JPEG, not a PNG", "convert the image to PNG");
+    expect_content(image_head(bytes.data(), bytes.size(), path.string()).stored, bytes.size(), path.string());
     return decode_image(bytes.data(), bytes.size(), path.string());
 }
 

@@ -31,17 +31,19 @@ uint8_t srgb_byte_from_linear(float linear);  // clamped to [0,1], rounded to ne
 constexpr uint32_t kMaxImageSide = 16384;
 
 // Reads a PNG of any colour type and depth, converted to 8-bit RGBA. Throws InputError where the file is missing,
-// truncated, no PNG, or where a side is 0 or beyond kMaxImageSide.
+// truncated, no PNG, or where a side is 0 or beyond kMaxImageSide, and as expect_content() does.
 Image read_png(const std::filesystem::path& path);
 // The same for the bytes of a PNG or JPEG in memory; `name` stands for the file in errors.
 Image decode_image(const uint8_t* bytes, size_t size, const std::string& name);
 
-// The size of a PNG or JPEG file in pixels, by its header alone: the rest may be damaged. Throws InputError.
 struct ImageSize {
     uint32_t width = 0, height = 0;
     bool operator==(const ImageSize&) const = default;
 };
-ImageSize image_size(const std::filesystem::path& path);
+
+// Throws InputError for a large image in few bytes, which are less than any photograph or texture takes: files are
+// untrusted, and a small one must not take gigabytes. For images of which nothing is known but their header.
+void expect_content(ImageSize size, uint64_t bytes, const std::string& name);
 
 // The bytes of a PNG: RGBA; RGB where every pixel is opaque; grey where every pixel is opaque and grey. Throws
 // RuntimeFailure.

@@ -45,13 +45,18 @@ class VideoReader {
     VideoReader(VideoReader&&) noexcept;
     VideoReader& operator=(VideoReader&&) noexcept;
 
-    ImageSize size() const;
-    uint32_t frames() const;  // by the file's index, or where it has none by counting packets
-    double fps() const;       // 0: unknown
+    ImageSize size() const;       // as shown: turned as the file says
+    double pixel_aspect() const;  // how much wider than high its pixels are to be shown
+    uint32_t frames() const;      // those shown, by the file's index, or where it has none by counting packets
+    double fps() const;           // the average; 0: unknown
+    // What the file says about how it is shown, in words, that is not usual: what is done about it, or is not.
+    std::vector<std::string> notes() const;
 
-    // Reads the next frame in order of display; returns false at the end. The frame is opaque unless the video has an
-    // alpha plane. The colour matrix is that of the stream; where it names none, BT.709 from 720 lines on and BT.601
-    // below. Throws InputError for a damaged frame, a change of size, and a file that ends before frames().
+    // Reads the next frame in order of display; returns false at the end. Frames that an edit list cuts off are left
+    // out. The image is turned as the file says, and opaque unless the video has an alpha plane. The colour matrix is
+    // that of the stream; where it names none, BT.709 from 720 lines on and BT.601 below. HLG, PQ and wide gamuts
+    // become sRGB (video_colour.h). Pixels that are not square are not scaled. Throws InputError for a damaged frame, a
+    // change of size, and a file that ends before frames().
     bool next(Image& frame);
     // Skips a frame; cheaper than next(), with the same checks.
     bool skip();

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "media/orientation.h"
 #include "stage/gltf_parse.h"
 #include "stage/gltf_scene.h"
 
@@ -190,14 +191,20 @@ std::span<const uint8_t> encoded_image(const GltfScene& scene, const tinygltf::M
 }
 
 std::shared_ptr<const GltfImage> load_image(const GltfScene& scene, const tinygltf::Model& model, uint32_t index,
-                                            const GltfScene* before) {
+                                            const GltfScene* before, uint64_t& pixels) {
     const std::span<const uint8_t> bytes = encoded_image(scene, model, index);
+    const std::string name = fmt::format("{}: /images/{}", scene.file, index);
+    const media::ImageSize size = media::image_head(bytes.data(), bytes.size(), name).stored;
+    media::expect_content(size, bytes.size(), name);
+    pixels += uint64_t{size.width} * size.height;
+    if (pixels > kMaxImagePixels)
+        throw InputError(scene.file, fmt::format("/images/{}", index), "the textures together are too large",
+                         fmt::format("stay below {} pixels", kMaxImagePixels));
     if (before && index < before->images.size() && before->images[index] &&
         std::ranges::equal(before->images[index]->encoded, bytes))
         return before->images[index];
     return std::make_shared<const GltfImage>(
-        GltfImage{{bytes.begin(), bytes.end()},
-                  media::decode_image(bytes.data(), bytes.size(), fmt::format("{}: /images/{}", scene.file, index))});
+        GltfImage{{bytes.begin(), bytes.end()}, media::decode_image(bytes.data(), bytes.size(), name)});
 }
 
 }  // namespace
@@ -208,13 +215,7 @@ void load_images(GltfScene& scene, const tinygltf::Model& model, const GltfScene
     const auto load = [&](int32_t texture) {
         if (texture < 0) return;
         const uint32_t index = scene.textures[static_cast<size_t>(texture)].image;
-        if (scene.images[index]) return;
-        scene.images[index] = load_image(scene, model, index, before);
-        const media::Image& image = scene.images[index]->pixels;
-        pixels += uint64_t{image.width} * image.height;
-        if (pixels > kMaxImagePixels)
-            throw InputError(scene.file, fmt::format("/images/{}", index), "the textures together are too large",
-                             fmt::format("stay below {} pixels", kMaxImagePixels));
+        if (!scene.images[index]) scene.images[index] = load_image(scene, model, index, before, pixels);
     };
     for (const GltfMaterial& material : scene.materials) {
         load(material.texture);

@@ -211,6 +211,20 @@ TEST(Image, BadSizesAreRefusedBeforeMemoryIsTaken) {
     EXPECT_LT(peak_memory_bytes() - before, uint64_t{64} << 20);
 }
 
+// One bit a pixel, all alike: the smallest file of its size.
+TEST(Image, ManyPixelsOfNothingAreRefusedBeforeMemoryIsTaken) {
+    const TemporaryFolder folder;
+    const uint32_t side = 8192;
+    write_png_kind(folder.path / "b.png", {side, side, 1, PNG_COLOR_TYPE_GRAY},
+                   std::vector(side, std::vector<uint8_t>(side / 8)));
+    EXPECT_LT(std::filesystem::file_size(folder.path / "b.png"), 20'000u);
+    const uint64_t before = peak_memory_bytes();
+    expect_input_error([&] { media::read_png(folder.path / "b.png"); }, {"b.png", "8192×8192 in", "scale it down"});
+    EXPECT_LT(peak_memory_bytes() - before, uint64_t{64} << 20);
+    media::expect_content({4096, 4096}, 1, "a mask");
+    media::expect_content({14204, 10652}, 2'000'000, "a photograph");
+}
+
 TEST(Image, WhatIsNoPictureIsNamed) {
     const TemporaryFolder folder;
     expect_input_error([&] { media::read_png(folder.path / "none.png"); }, {"none.png", "No such file"});

@@ -1,0 +1,34 @@
+// Light of videos that is encoded otherwise than for the usual screens: HLG and PQ (ITU-R BT.2100), and the wide gamuts
+// of BT.2020 and Display P3. Those of BT.709 and BT.601 are taken as sRGB, as players show them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "media/libav.h"
+
+namespace neuvv::media {
+
+class VideoColour {
+  public:
+    // Nothing where the values of this transfer function and these primaries are taken as sRGB.
+    static std::optional<VideoColour> of(AVColorTransferCharacteristic transfer, AVColorPrimaries primaries);
+
+    // Converts pixels, R, G, B and A of 16 bits, to 8 bits of sRGB. White is the diffuse white of BT.2408, 203 cd/m²:
+    // what is brighter, and colours outside of sRGB's gamut, are clipped.
+    void to_srgb(const uint16_t* rgba, uint8_t* srgb, size_t pixels) const;
+
+  private:
+    VideoColour(AVColorTransferCharacteristic transfer, AVColorPrimaries primaries);
+
+    const float* gamut_;        // 3×3, row by row: linear light of sRGB's primaries from that of the video's
+    bool scene_light_;          // of HLG, which a display's gamma makes the light that is shown
+    std::vector<float> light_;  // of each of 65536 values
+};
+
+// What of it is converted or cannot be, for the remarks about a file; empty where there is nothing to say.
+std::string colour_note(const AVCodecParameters& stream);
+
+}  // namespace neuvv::media

@@ -1,0 +1,97 @@
+#include "media/video_times.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "media/video_input.h"
+
+extern "C" {
+#include <libavutil/timecode.h>
+}
+
+namespace neuvv::media {
+
+namespace {
+
+constexpr double kSameRate = 5e-4;  // half of what tells 30 from 29.97 frames a second
+constexpr uint32_t kTimecodeTag = MKTAG('t', 'm', 'c', 'd');
+
+// The times of frames whose decoding times, which the index has, are even and hence those of their display, too. Empty
+// where they are not, or where an edit list cuts.
+std::vector<double> times_by_index(const VideoInput& input) {
+    const std::vector<const AVIndexEntry*> frames = input.frames();
+    if (frames.size() < 2 || input.stream().start_time == AV_NOPTS_VALUE) return {};
+    const int64_t first = frames.front()->timestamp;
+    const double step = static_cast<double>(frames.back()->timestamp - first) / static_cast<double>(frames.size() - 1);
+    std::vector<double> times;
+    for (const AVIndexEntry* frame : frames) {
+        const double after = step * static_cast<double>(times.size());
+        if (!is_shown(*frame) || std::abs(static_cast<double>(frame->timestamp - first) - after) > 1) return {};
+        times.push_back((static_cast<double>(input.stream().start_time) + after) * av_q2d(input.stream().time_base));
+    }
+    return step > 0 ? times : std::vector<double>();
+}
+
+// By the packets; of those of which one has no time, as in an .avi, at an even rate.
+std::vector<double> times_by_packets(VideoInput& input) {
+    std::vector<double> times;
+    bool timed = true;
+    while (const AVPacket* packet = input.read()) {
+        if (!is_shown(*packet)) continue;
+        timed &= packet->pts != AV_NOPTS_VALUE;
+        times.push_back(static_cast<double>(packet->pts) * av_q2d(input.stream().time_base));
+    }
+    const AVRational rate = input.stream().avg_frame_rate;
+    if (!timed)
+        for (size_t i = 0; i < times.size(); ++i)
+            times[i] = rate.num > 0 && rate.den > 0 ? static_cast<double>(i) / av_q2d(rate) : static_cast<double>(i);
+    std::sort(times.begin(), times.end());
+    return times;
+}
+
+// The rate of the timecode is that of its own track, where there is one: cameras of 50 frames a second often count 25.
+std::optional<double> timecode_of(const VideoInput& input, double fps) {
+    const AVDictionaryEntry* text = av_dict_get(input.stream().metadata, "timecode", nullptr, 0);
+    if (!text) text = av_dict_get(input.context().metadata, "timecode", nullptr, 0);
+    AVRational rate = av_d2q(fps, 100'000);
+    for (unsigned i = 0; i < input.context().nb_streams; ++i) {
+        const AVStream& track = *input.context().streams[i];
+        if (track.codecpar->codec_tag != kTimecodeTag) continue;
+        if (track.avg_frame_rate.num > 0 && track.avg_frame_rate.den > 0) rate = track.avg_frame_rate;
+        if (!text) text = av_dict_get(track.metadata, "timecode", nullptr, 0);
+    }
+    AVTimecode code{};
+    if (!text || rate.num <= 0 || rate.den <= 0 || av_timecode_init_from_string(&code, rate, text->value, nullptr) < 0)
+        return {};
+    return code.start / av_q2d(rate);
+}
+
+}  // namespace
+
+double rate_of(const std::vector<double>& times_s) {
+    std::vector<double> gaps;
+    for (size_t i = 1; i < times_s.size(); ++i) gaps.push_back(times_s[i] - times_s[i - 1]);
+    if (gaps.empty()) return 0;
+    const auto middle = gaps.begin() + static_cast<ptrdiff_t>(gaps.size() / 2);
+    std::nth_element(gaps.begin(), middle, gaps.end());
+    const double usual = *middle;
+    if (!(usual > 0)) return 0;
+    double steps = 0;  // of the usual gap: a lacking frame makes two
+    for (const double gap : gaps) steps += std::round(gap / usual);
+    return steps / (times_s.back() - times_s.front());
+}
+
+VideoTimes video_times(const std::filesystem::path& path) {
+    VideoInput input(path);
+    VideoTimes result;
+    result.shown_s = times_by_index(input);
+    if (result.shown_s.empty()) result.shown_s = times_by_packets(input);
+    result.fps = rate_of(result.shown_s);
+    for (const AVRational named : {input.stream().r_frame_rate, input.stream().avg_frame_rate})
+        if (named.num > 0 && named.den > 0 && (result.fps == 0 || std::abs(av_q2d(named) / result.fps - 1) < kSameRate))
+            result.fps = av_q2d(named);
+    result.timecode_s = timecode_of(input, result.fps);
+    return result;
+}
+
+}  // namespace neuvv::media
