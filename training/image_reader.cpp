@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "media/orientation.h"
 
 namespace neuvv::training {
 
@@ -11,18 +12,30 @@ namespace {
 
 constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 30;
 
+media::ImageHead as_used(media::ImageHead head, const ImageSource& source) {
+    if (source.as_stored) head.orientation = media::Orientation::kUpright;
+    return head;
+}
+
 }  // namespace
 
-media::Image ImageReader::read(const ImageSource& source) {
+media::Image ImageReader::read(const ImageSource& source, const ExpectSize& expect_size) {
     if (source.video_frame < 0) {
         const std::vector<uint8_t> bytes = read_file(source.path, kMaxImageFileBytes);
-        return media::decode_image(bytes.data(), bytes.size(), source.path.string());
+        const std::string name = source.path.string();
+        const media::ImageHead head = as_used(media::image_head(bytes.data(), bytes.size(), name), source);
+        if (expect_size)
+            expect_size(media::shown_size(head.stored, head.orientation));
+        else
+            media::expect_content(head.stored, bytes.size(), name);
+        return media::shown(media::decode_image(bytes.data(), bytes.size(), name), head.orientation);
     }
     if (!video_ || path_ != source.path || source.video_frame < next_frame_) {
         video_.emplace(source.path);
         path_ = source.path;
         next_frame_ = 0;
     }
+    if (expect_size) expect_size(video_->size());
     const auto expect = [&](bool there) {
         if (!there)
             throw InputError(source.path.string(), fmt::format("frame {}", source.video_frame),
@@ -37,7 +50,10 @@ media::Image ImageReader::read(const ImageSource& source) {
 }
 
 media::ImageSize size_of(const ImageSource& source) {
-    return source.video_frame < 0 ? media::image_size(source.path) : media::VideoReader(source.path).size();
+    if (source.video_frame >= 0) return media::VideoReader(source.path).size();
+    const media::ImageHead head = as_used(media::image_head(source.path), source);
+    media::expect_content(head.stored, std::filesystem::file_size(source.path), source.path.string());
+    return media::shown_size(head.stored, head.orientation);
 }
 
 }  // namespace neuvv::training

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include "media/video.h"
@@ -12,8 +13,11 @@ namespace neuvv::training {
 // Keeps the last video open, so that frames of one video that are read in ascending order are decoded in one pass.
 class ImageReader {
   public:
-    // Throws InputError with the file.
-    media::Image read(const ImageSource& source);
+    // Gets the size that the header says before pixels are decoded, so that a small file cannot take much memory; where
+    // nobody knows the size, it must only have content (media::expect_content).
+    using ExpectSize = std::function<void(media::ImageSize)>;
+    // Throws InputError with the file, and what `expect_size` throws.
+    media::Image read(const ImageSource& source, const ExpectSize& expect_size = {});
 
   private:
     std::filesystem::path path_;

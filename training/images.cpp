@@ -120,9 +120,7 @@ class CameraLoader {
     }
 
     media::Image read(ImageReader& reader, const ImageSource& source) const {
-        media::Image image = reader.read(source);
-        expect_size({image.width, image.height}, source, size_, whose_);
-        return image;
+        return reader.read(source, [&](media::ImageSize found) { expect_size(found, source, size_, whose_); });
     }
 
     void load_view(const Shot& shot, View& view) {

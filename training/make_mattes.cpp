@@ -115,6 +115,7 @@ class MatteMaker {
     void make_group(const Rig& rig, const std::vector<const Shot*>& shots, const media::Image& background,
                     bool on_sheet);
     media::Image external_matte(const Rig& rig, const Shot& shot);
+    static media::Image read(ImageReader& reader, const Rig& rig, uint32_t camera, const ImageSource& source);
 
     const MatteJob& job_;
     const MatteProgress& progress_;
@@ -128,7 +129,7 @@ class MatteMaker {
 media::Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots) {
     if (!rig.cameras[camera].plate.path.empty()) {
         ++plates_;
-        return images_.read(rig.cameras[camera].plate);
+        return read(images_, rig, camera, rig.cameras[camera].plate);
     }
     if (shots.size() < kMinMedianFrames)
         throw InputError(rig.file, "camera " + rig.cameras[camera].name,
@@ -138,12 +139,25 @@ media::Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const st
     const size_t count = std::min<size_t>(shots.size(), kMaxMedianFrames);
     std::vector<media::Image> frames;
     for (size_t i = 0; i < count; ++i) {
-        frames.push_back(images_.read(shots[i * (shots.size() - 1) / (count - 1)]->image));
+        frames.push_back(read(images_, rig, camera, shots[i * (shots.size() - 1) / (count - 1)]->image));
         if (frames[i].rgba.size() != frames[0].rgba.size() || frames[i].width != frames[0].width)
             throw InputError(rig.file, shots[0]->place, "the images of its camera have several sizes",
                              "give all images of a camera one size");
     }
     return median_background(frames);
+}
+
+// Where the calibration says how large images are, others are not decoded.
+media::Image MatteMaker::read(ImageReader& reader, const Rig& rig, uint32_t camera, const ImageSource& source) {
+    const Lens& lens = rig.cameras[camera].lens;
+    if (lens.width == 0) return reader.read(source);
+    return reader.read(source, [&](media::ImageSize size) {
+        if (size.width != lens.width || size.height != lens.height)
+            throw InputError(source.path.string(), "",
+                             fmt::format("is {}×{}, but its camera {} in {} says {}×{}", size.width, size.height,
+                                         rig.cameras[camera].name, rig.file, lens.width, lens.height),
+                             "give all images and mattes of a camera the size that its calibration is for");
+    });
 }
 
 media::Image MatteMaker::external_matte(const Rig& rig, const Shot& shot) {
@@ -155,7 +169,8 @@ media::Image MatteMaker::external_matte(const Rig& rig, const Shot& shot) {
             {job_.from / (rig.cameras[shot.camera].name + extension), std::max<int64_t>(shot.image.video_frame, 0)});
     std::error_code ignored;
     for (const ImageSource& candidate : candidates)
-        if (std::filesystem::is_regular_file(candidate.path, ignored)) return external_.read(candidate);
+        if (std::filesystem::is_regular_file(candidate.path, ignored))
+            return read(external_, rig, shot.camera, candidate);
     throw InputError(job_.from.string(), shot.name, fmt::format("there is no matte {}.png", shot.name),
                      "name it after its image, or give a video named after its camera");
 }
@@ -164,7 +179,7 @@ void MatteMaker::make_group(const Rig& rig, const std::vector<const Shot*>& shot
                             bool on_sheet) {
     std::vector<media::Image> images, external;
     for (const Shot* shot : shots) {
-        images.push_back(images_.read(shot->image));
+        images.push_back(read(images_, rig, shot->camera, shot->image));
         if (!job_.from.empty()) external.push_back(external_matte(rig, *shot));
         const media::Image& with = job_.from.empty() ? background : external.back();
         if (with.width != images.back().width || with.height != images.back().height)

@@ -12,6 +12,9 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "media/image.h"
+#include "media/video.h"
+#include "training/image_reader.h"
+#include "training/layouts/presentation.h"
 
 namespace neuvv::training {
 
@@ -83,18 +86,21 @@ Lens opencv_lens(const std::vector<double>& matrix, const std::vector<double>& d
     return lens;
 }
 
-void fit_to_images(RigCamera& camera, media::ImageSize size, const std::string& image, const std::string& file,
-                   const std::string& place) {
+void fit_to_images(RigCamera& camera, ImageSource image, const Rig& rig, const std::string& place) {
     const Lens& lens = camera.lens;
+    image.as_stored = used_as_stored(image, lens, rig.images_as_stored);
+    const media::ImageSize size = size_of(image);
     if (lens.width == 0 || (lens.width == size.width && lens.height == size.height)) return;
     const double across = static_cast<double>(size.width) / lens.width;
     const double down = static_cast<double>(size.height) / lens.height;
     // A scaled image has sides of whole pixels.
     const double rounding = 1.0 / std::min(size.width, lens.width) + 1.0 / std::min(size.height, lens.height);
-    if (std::abs(across / down - 1) > rounding)
-        throw InputError(image, "",
+    const bool as_shown = image.video_frame >= 0 && std::abs(across / down - 1) > rounding;
+    const double aspect = as_shown ? media::VideoReader(image.path).pixel_aspect() : 1;
+    if (std::abs(across / down * aspect - 1) > rounding)
+        throw InputError(image.path.string(), "",
                          fmt::format("is {}×{}, but {} of {} says {}×{}, another shape", size.width, size.height, place,
-                                     file, lens.width, lens.height),
+                                     rig.file, lens.width, lens.height),
                          "give the images that the calibration is for, or scaled copies");
     camera.lens = scaled(lens, size.width, size.height);
 }

@@ -29,10 +29,10 @@ Lens opencv_lens(const std::vector<double>& matrix, const std::vector<double>& d
                  const std::string& file, const std::string& place);
 
 // Scales the camera's lens to the size of its images where the calibration is for the same images at another size.
-// Throws InputError(image, …) where their shape is another, as that of cropped images is. A lens that knows no size
-// stays as it is.
-void fit_to_images(RigCamera& camera, media::ImageSize size, const std::string& image, const std::string& file,
-                   const std::string& place);
+// `image` is the first of them. A video whose pixels are not square may have the calibration's shape when it is shown.
+// Throws InputError where their shape is another, as that of cropped images is. A lens that knows no size stays as it
+// is.
+void fit_to_images(RigCamera& camera, ImageSource image, const Rig& rig, const std::string& place);
 
 // Throws InputError(file, place, …) for a lens or a camera position that cannot be right: numbers that are not finite
 // or absurdly large, a focal length that is not positive, a width of 0 beside a height or the reverse.

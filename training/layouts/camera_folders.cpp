@@ -12,6 +12,7 @@
 #include "media/video.h"
 #include "training/image_reader.h"
 #include "training/layouts/calibration.h"
+#include "training/layouts/clip_times.h"
 
 namespace neuvv::training {
 
@@ -131,19 +132,18 @@ bool is_video(const std::filesystem::path& path) {
     return std::ranges::find(kVideoEndings, lower_extension(path)) != std::end(kVideoEndings);
 }
 
-Frames frames_of_video(const std::filesystem::path& path, double& fps) {
+Frames frames_of_video(const std::filesystem::path& path) {
     const media::VideoReader video(path);
-    fps = video.fps();
     Frames frames;
     for (uint32_t i = 0; i < video.frames(); ++i) frames[fmt::format("{:06}", i)] = {path, i};
     return frames;
 }
 
-Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera, double& fps) {
+Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera) {
     for (const auto& candidate : {folder / "images" / camera, folder / camera})
         if (Frames frames = images_in(candidate); !frames.empty()) return frames;
     for (const auto& candidate : {folder / "videos", folder})
-        if (const auto video = find_video(candidate, camera); !video.empty()) return frames_of_video(video, fps);
+        if (const auto video = find_video(candidate, camera); !video.empty()) return frames_of_video(video);
     return {};
 }
 
@@ -184,13 +184,12 @@ std::string without_extension(const std::string& name) {
 Frames masks_of_camera(const std::filesystem::path& masks, const std::string& camera, const Frames& frames) {
     Frames found = images_in(masks / camera);
     if (found.empty()) {
-        double ignored = 0;
         const auto video = find_video(masks, camera);
         if (video.empty())
             throw InputError((masks / camera).string(), "", "holds no masks",
                              "give every camera masks, or take the masks' folder away");
         Frames in_order;
-        const Frames of_video = frames_of_video(video, ignored);
+        const Frames of_video = frames_of_video(video);
         if (of_video.size() != frames.size())
             throw InputError(video.string(), "",
                              fmt::format("has {} frames, but its camera {}", of_video.size(), frames.size()),
@@ -206,6 +205,35 @@ Frames masks_of_camera(const std::filesystem::path& masks, const std::string& ca
     return found;
 }
 
+void name_by_time(Rig& rig, std::vector<CameraFrames>& cameras) {
+    std::vector<ClipVideo> videos;
+    std::vector<CameraFrames*> with_video;
+    for (CameraFrames& camera : cameras) {
+        if (camera.frames.empty() || camera.frames.begin()->second.video_frame < 0) continue;
+        const std::filesystem::path& path = camera.frames.begin()->second.path;
+        videos.push_back({camera.camera.name, path, media::video_times(path)});
+        with_video.push_back(&camera);
+    }
+    if (videos.empty()) return;
+    const ClipTimes clip = clip_times(videos);
+    rig.fps = clip.fps;
+    for (size_t v = 0; v < with_video.size(); ++v) {
+        Frames frames, masks;
+        for (const auto& [name, image] : with_video[v]->frames) {
+            const auto frame = static_cast<size_t>(image.video_frame);
+            if (frame >= clip.frames[v].size() || clip.frames[v][frame] == kNotInClip) continue;
+            const std::string moment = fmt::format("{:06}", clip.frames[v][frame]);
+            frames[moment] = image;
+            if (const auto mask = with_video[v]->masks.find(name); mask != with_video[v]->masks.end())
+                masks[moment] = mask->second;
+        }
+        with_video[v]->frames = std::move(frames);
+        with_video[v]->masks = std::move(masks);
+    }
+    rig.remarks.insert(rig.remarks.end(), clip.remarks.begin(), clip.remarks.end());
+    add_remarks(rig, clip.texts);
+}
+
 std::vector<CameraFrames> find_images(Rig& rig, const std::vector<CalibratedCamera>& calibrated) {
     const std::filesystem::path masks = masks_folder(rig.folder);
     std::vector<CameraFrames> cameras;
@@ -216,12 +244,12 @@ std::vector<CameraFrames> find_images(Rig& rig, const std::vector<CalibratedCame
         if (!seen.insert(name).second)
             throw InputError(rig.file, from.place, fmt::format("is another camera of the name {}", name),
                              "give each camera its own name");
-        CameraFrames camera{from.camera, from.place, cameras.size(), frames_of_camera(rig.folder, name, rig.fps), {}};
+        CameraFrames camera{from.camera, from.place, cameras.size(), frames_of_camera(rig.folder, name), {}};
         const bool still = camera.frames.empty();
         if (still) camera.frames = still_of_camera(rig.folder, name);
         if (camera.frames.empty()) continue;
         const ImageSource& first = camera.frames.begin()->second;
-        fit_to_images(camera.camera, size_of(first), first.path.string(), rig.file, from.place);
+        fit_to_images(camera.camera, first, rig, from.place);
         if (!masks.empty()) {
             if (still) camera.masks = still_in(masks, name);
             if (camera.masks.empty()) camera.masks = masks_of_camera(masks, name, camera.frames);
@@ -231,6 +259,7 @@ std::vector<CameraFrames> find_images(Rig& rig, const std::vector<CalibratedCame
     if (cameras.empty())
         throw InputError(rig.folder.string(), "", fmt::format("holds no image of any camera of {}", rig.file),
                          "put them into images/<camera>/ or videos/<camera>.mp4");
+    name_by_time(rig, cameras);
     if (cameras.size() < calibrated.size())
         rig.remarks.push_back(fmt::format("{} of {} calibrated cameras have no images, and are left out",
                                           calibrated.size() - cameras.size(), calibrated.size()));

@@ -22,13 +22,13 @@ using Frames = std::map<std::string, ImageSource, NaturalOrder>;
 Frames images_in(const std::filesystem::path& folder);
 
 bool is_video(const std::filesystem::path& path);  // by its extension
-// All frames of a video; sets `fps`.
-Frames frames_of_video(const std::filesystem::path& path, double& fps);
+// All frames of a video.
+Frames frames_of_video(const std::filesystem::path& path);
 
 // The frames in the first of images/<camera>/, <camera>/, videos/<camera>.* and <camera>.* that exists; empty where
-// none does. A video may have a longer name that ends in _<camera>, as Qualisys gives it. Sets `fps` where the frames
-// are those of a video. Throws InputError where two videos have such names.
-Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera, double& fps);
+// none does. A video may have a longer name that ends in _<camera>, as Qualisys gives it. Throws InputError where two
+// videos have such names.
+Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera);
 
 // The names of a folder's videos, without extension, in natural order.
 std::vector<std::string> videos_in(const std::filesystem::path& folder);
@@ -72,10 +72,16 @@ struct CameraFrames {
     Frames frames, masks;
 };
 
-// The frames and the masks of each camera: those of frames_of_camera, else one image images/<camera>.* or <camera>.*,
-// whose mask is masks/<camera>.*. Every camera is a group of its own. Cameras without images are left out; rig.remarks
-// says how many. Where images are scaled copies of those that the calibration is for, lenses are scaled, too. Throws
-// InputError for names that are no names within the data set's folder, or given twice, and where no camera has images.
+// Names the frames of videos, and their masks, by the moments that they show (clip_times.h) instead of by their numbers
+// in the video, and leaves out those at no moment of the clip. Sets rig.fps to the clip's rate and adds remarks.
+// Cameras without videos stay as they are.
+void name_by_time(Rig& rig, std::vector<CameraFrames>& cameras);
+
+// The frames and the masks of each camera: those of frames_of_camera, by name_by_time, else one image images/<camera>.*
+// or <camera>.*, whose mask is masks/<camera>.*. Every camera is a group of its own. Cameras without images are left
+// out; rig.remarks says how many. Where images are scaled copies of those that the calibration is for, lenses are
+// scaled, too. Throws InputError for names that are no names within the data set's folder, or given twice, and where no
+// camera has images.
 std::vector<CameraFrames> find_images(Rig& rig, const std::vector<CalibratedCamera>& cameras);
 
 // Throws InputError where there are several cameras and no two of them have a frame of the same name.

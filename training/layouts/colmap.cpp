@@ -55,11 +55,12 @@ std::vector<CameraFrames> still_cameras(Rig& rig, const ColmapModel& model, cons
         if (images.size() != 1) continue;
         CameraFrames camera{model.images[images[0]], model.place[images[0]], cameras.size(), {}, {}};
         camera.camera.name = name;
-        camera.frames = frames_of_camera(rig.folder, name, rig.fps);
+        camera.frames = frames_of_camera(rig.folder, name);
         if (camera.frames.empty()) continue;
         if (!masks.empty()) camera.masks = masks_of_camera(masks, name, camera.frames);
         cameras.push_back(std::move(camera));
     }
+    name_by_time(rig, cameras);
     expect_common_frames(rig, cameras);
     return cameras;
 }
@@ -127,6 +128,7 @@ Rig read_colmap_rig(const std::filesystem::path& folder, Split split) {
     Rig rig;
     rig.folder = folder;
     rig.format = "colmap";
+    rig.images_as_stored = true;
     rig.world = "COLMAP's own unit and axes, not turned";
     rig.file = model.file;
     rig.box = box_of(model.points);

@@ -13,6 +13,7 @@
 #include "training/layouts/opencv_cameras.h"
 #include "training/layouts/polycam.h"
 #include "training/layouts/pose2sim.h"
+#include "training/layouts/presentation.h"
 #include "training/layouts/qualisys.h"
 #include "training/layouts/realitycapture.h"
 #include "training/layouts/record3d.h"
@@ -109,6 +110,7 @@ Rig read_rig(const std::filesystem::path& folder, Split split, const std::string
     Rig rig = layout.read(folder, split);
     drop_cameras_without_shots(rig);  // some layouts calibrate the cameras of all splits
     expect_sound(rig);
+    settle_presentation(rig);
     return rig;
 }
 

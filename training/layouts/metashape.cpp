@@ -228,6 +228,7 @@ Rig read_metashape_rig(const std::filesystem::path& folder, Split split) {
     Rig rig;
     rig.folder = folder;
     rig.format = "metashape";
+    rig.images_as_stored = true;
     rig.file = path.string();
     const std::vector<XmlNode> chunks = file.root().children("chunk");
     if (chunks.size() != 1)

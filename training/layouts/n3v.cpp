@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "base/error.h"
 #include "base/npy.h"
-#include "media/video.h"
+#include "media/image.h"
 #include "training/layouts/calibration.h"
 #include "training/layouts/camera_folders.h"
 
@@ -61,27 +62,27 @@ RigCamera make_camera(const double* row, const std::filesystem::path& video, con
     return camera;
 }
 
-struct Video {
-    media::ImageSize size;
-    uint32_t frames;
-    double fps;
-};
-
-Video describe(const std::filesystem::path& path) {
-    const media::VideoReader reader(path);
-    return {reader.size(), reader.frames(), reader.fps()};
-}
-
-void add_shots(Rig& rig, uint32_t camera, const std::filesystem::path& video, uint32_t frames) {
-    for (uint32_t i = 0; i < frames; ++i) {
+// `times` are of all moments of the clip, by their names.
+void add_shots(Rig& rig, uint32_t camera, const Frames& frames, const std::map<std::string, double>& times) {
+    for (const auto& [moment, image] : frames) {
         Shot shot;
         shot.camera = camera;
-        shot.time = frames > 1 ? i / (frames - 1.0) : 0;
-        shot.name = fmt::format("{}_f{:04}", rig.cameras[camera].name, i);
-        shot.place = fmt::format("{}, frame {}", video.filename().string(), i);
-        shot.image = {video, i};
+        shot.time = times.at(moment);
+        shot.name = fmt::format("{}_f{:04}", rig.cameras[camera].name, std::stoll(moment));
+        shot.place = fmt::format("{}, frame {}", image.path.filename().string(), image.video_frame);
+        shot.image = image;
         rig.shots.push_back(shot);
     }
+}
+
+// The i-th of N moments that a video shows has the time i/(N−1).
+std::map<std::string, double> times_by_moment(const std::vector<CameraFrames>& cameras) {
+    std::map<std::string, double> times;
+    for (const CameraFrames& camera : cameras)
+        for (const auto& [moment, image] : camera.frames) times[moment] = 0;
+    double next = 0;
+    for (auto& [moment, time] : times) time = next++ / std::max(1.0, static_cast<double>(times.size()) - 1);
+    return times;
 }
 
 }  // namespace
@@ -109,18 +110,22 @@ Rig read_n3v_rig(const std::filesystem::path& folder, Split split) {
             "give each row its video: rows are in order of the videos' names");
     if (videos.size() < 2)
         throw InputError(rig.file, "", "has one camera, and the first is held out for the test", "give two or more");
-    std::vector<Video> described;
-    for (const auto& video : videos) described.push_back(describe(video));
-    const uint32_t frames = std::min_element(described.begin(), described.end(), [](const Video& a, const Video& b) {
-                                return a.frames < b.frames;
-                            })->frames;
-    rig.fps = described[0].fps;
+    std::vector<CameraFrames> cameras;
     for (size_t i = 0; i < videos.size(); ++i) {
-        if ((i == 0) != (split == Split::kTest)) continue;
         const std::string place = fmt::format("row {}", i);
-        rig.cameras.push_back(make_camera(&poses.values[i * kRow], videos[i], rig.file, place));
-        fit_to_images(rig.cameras.back(), described[i].size, videos[i].string(), rig.file, place);
-        add_shots(rig, static_cast<uint32_t>(rig.cameras.size() - 1), videos[i], frames);
+        cameras.push_back({make_camera(&poses.values[i * kRow], videos[i], rig.file, place),
+                           place,
+                           i,
+                           frames_of_video(videos[i]),
+                           {}});
+        fit_to_images(cameras[i].camera, {videos[i], 0}, rig, place);
+    }
+    name_by_time(rig, cameras);
+    const std::map<std::string, double> times = times_by_moment(cameras);
+    for (const CameraFrames& camera : cameras) {
+        if ((camera.group == 0) != (split == Split::kTest)) continue;
+        rig.cameras.push_back(camera.camera);
+        add_shots(rig, static_cast<uint32_t>(rig.cameras.size() - 1), camera.frames, times);
     }
     return rig;
 }

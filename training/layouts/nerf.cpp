@@ -173,18 +173,50 @@ struct ImageFrame {
     ImageSource image, mask;
 };
 
+// The images of a folder or a video, and their masks.
+struct Sequence {
+    Frames frames, masks;
+};
+using Sequences = std::map<std::string, Sequence>;  // by file_path
+
+// Those that frames of all splits name. Frames of videos are named by their times.
+Sequences find_sequences(Rig& rig, const std::vector<TransformsFrame>& first,
+                         const std::vector<TransformsFrame>& others) {
+    std::map<std::string, CameraFrames> found;
+    for (const std::vector<TransformsFrame>* frames : {&first, &others})
+        for (const TransformsFrame& from : *frames) {
+            const std::filesystem::path path = rig.folder / from.file_path, mask = rig.folder / from.mask_path;
+            const std::filesystem::path image = image_at(rig.folder, from.file_path);
+            if (from.file_path.empty() || (!image.empty() && !is_video(image)) || found.contains(from.file_path))
+                continue;
+            CameraFrames camera;
+            camera.camera.name = without_extension(path.filename().string());
+            camera.frames = image.empty() ? images_in(path) : frames_of_video(path);
+            if (camera.frames.empty()) continue;
+            if (!from.mask_path.empty())
+                camera.masks =
+                    masks_of_camera(mask.parent_path(), without_extension(mask.filename().string()), camera.frames);
+            found[from.file_path] = std::move(camera);
+        }
+    std::vector<CameraFrames> cameras;
+    for (const auto& [path, camera] : found) cameras.push_back(camera);
+    name_by_time(rig, cameras);
+    Sequences sequences;
+    for (size_t i = 0; const auto& [path, camera] : found) {
+        sequences[path] = {std::move(cameras[i].frames), std::move(cameras[i].masks)};
+        ++i;
+    }
+    return sequences;
+}
+
 // The images of a frame that names a folder or a video; empty where it names an image, or what does not exist.
-std::vector<ImageFrame> images_of_sequence(Rig& rig, const TransformsFrame& from) {
-    const std::filesystem::path path = rig.folder / from.file_path, image = image_at(rig.folder, from.file_path);
-    if (from.file_path.empty() || (!image.empty() && !is_video(image))) return {};
-    const Frames frames = image.empty() ? images_in(path) : frames_of_video(path, rig.fps);
-    if (!frames.empty() && from.time)
+std::vector<ImageFrame> images_of_sequence(const Rig& rig, const TransformsFrame& from, const Sequences& sequences) {
+    const auto found = sequences.find(from.file_path);
+    if (found == sequences.end()) return {};
+    if (from.time)
         throw InputError(rig.file, from.place + ".time", "is given beside a file_path of many images",
-                         "remove it: images of the same name, or number in their videos, are of the same time");
-    const std::filesystem::path mask = rig.folder / from.mask_path;
-    const Frames masks = frames.empty() || from.mask_path.empty()
-                             ? Frames()
-                             : masks_of_camera(mask.parent_path(), without_extension(mask.filename().string()), frames);
+                         "remove it: images of the same name, or moment of their videos, are of the same time");
+    const auto& [frames, masks] = found->second;
     std::vector<ImageFrame> result;
     for (const auto& [name, source] : frames) {
         ImageFrame added{from, source, masks.empty() ? ImageSource() : masks.at(name)};
@@ -197,11 +229,12 @@ std::vector<ImageFrame> images_of_sequence(Rig& rig, const TransformsFrame& from
     return result;
 }
 
-std::vector<ImageFrame> image_frames(Rig& rig, const std::vector<TransformsFrame>& frames) {
+std::vector<ImageFrame> image_frames(const Rig& rig, const std::vector<TransformsFrame>& frames,
+                                     const Sequences& sequences) {
     std::vector<ImageFrame> result;
     for (const TransformsFrame& frame : frames) {
         if (frame.file_path.empty()) throw InputError(rig.file, frame.place, "has no file_path", "name its image");
-        std::vector<ImageFrame> sequence = images_of_sequence(rig, frame);
+        std::vector<ImageFrame> sequence = images_of_sequence(rig, frame, sequences);
         if (sequence.empty()) {
             sequence.push_back({frame, {find_image(rig, frame.file_path, frame.place + ".file_path"), -1}, {}});
             if (!frame.mask_path.empty())
@@ -213,10 +246,11 @@ std::vector<ImageFrame> image_frames(Rig& rig, const std::vector<TransformsFrame
 }
 
 // The frames of the other splits, with their sequences spread out. Their images need not exist.
-std::vector<TransformsFrame> spread_frames(Rig& rig, const std::vector<TransformsFrame>& frames) {
+std::vector<TransformsFrame> spread_frames(const Rig& rig, const std::vector<TransformsFrame>& frames,
+                                           const Sequences& sequences) {
     std::vector<TransformsFrame> result;
     for (const TransformsFrame& frame : frames) {
-        const std::vector<ImageFrame> sequence = images_of_sequence(rig, frame);
+        const std::vector<ImageFrame> sequence = images_of_sequence(rig, frame, sequences);
         if (sequence.empty()) result.push_back(frame);
         for (const ImageFrame& image : sequence) result.push_back(image.frame);
     }
@@ -253,8 +287,9 @@ void time_by_name(const Rig& rig, std::vector<ImageFrame>& frames, const std::ve
     for (ImageFrame& frame : frames) frame.frame.time = times.at(stem(frame.frame));
 }
 
-RigCamera make_camera(const Rig& rig, const TransformsFrame& frame, uint32_t number, const ImageSource& first_image) {
+RigCamera make_camera(const Rig& rig, const TransformsFrame& frame, uint32_t number, ImageSource first_image) {
     const Intrinsics& in = frame.intrinsics;
+    first_image.as_stored = rig.images_as_stored;
     const media::ImageSize size = in.width ? media::ImageSize{in.width, in.height} : size_of(first_image);
     RigCamera camera;
     camera.name = fmt::format("{}", number);
@@ -347,13 +382,15 @@ Rig read_nerf_rig(const std::filesystem::path& folder, Split split) {
     Rig rig;
     rig.folder = folder;
     rig.format = "nerf";
+    rig.images_as_stored = true;
     rig.world =
         transforms.z_up ? "the file's unit, a metre; +Y up, turned from +Z up" : "the file's unit, a metre; +Y up";
     rig.file = file.string();
     rig.box = transforms.box;
     rig.fps = transforms.fps;
-    std::vector<ImageFrame> images = image_frames(rig, transforms.frames);
-    const std::vector<TransformsFrame> others = spread_frames(rig, other_frames);
+    const Sequences sequences = find_sequences(rig, transforms.frames, other_frames);
+    std::vector<ImageFrame> images = image_frames(rig, transforms.frames, sequences);
+    const std::vector<TransformsFrame> others = spread_frames(rig, other_frames, sequences);
     has_everywhere(rig, images, "time", [](const auto& image) { return image.frame.time.has_value(); });
     time_by_name(rig, images, others);
     add_cameras_and_shots(rig, images);

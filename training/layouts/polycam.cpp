@@ -50,6 +50,7 @@ Rig read_polycam_rig(const std::filesystem::path& folder, Split split) {
     Rig rig;
     rig.folder = folder;
     rig.format = "polycam";
+    rig.images_as_stored = true;
     rig.world = "metres, +Y up";
     for (const auto& [cameras, images] : kPolycamFolders) {
         const Frames found = images_in(folder / images);
@@ -59,7 +60,7 @@ Rig read_polycam_rig(const std::filesystem::path& folder, Split split) {
         for (const auto& [name, image] : found) {
             const JsonFile file = read_json(folder / cameras / (name + ".json"), "a camera of Polycam");
             CameraFrames still{polycam_camera(file.root(), name), name + ".json", stills.size(), {}, {}};
-            fit_to_images(still.camera, size_of(image), image.path.string(), rig.file, still.place);
+            fit_to_images(still.camera, image, rig, still.place);
             still.frames[kOnlyFrame] = image;
             stills.push_back(std::move(still));
         }

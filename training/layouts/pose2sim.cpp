@@ -111,10 +111,8 @@ std::vector<CalibratedCamera> read_cameras(const std::filesystem::path& path) {
 }
 
 bool any_has_images(const std::filesystem::path& folder, const std::vector<CalibratedCamera>& cameras) {
-    double ignored = 0;
-    return std::ranges::any_of(cameras, [&](const CalibratedCamera& from) {
-        return !frames_of_camera(folder, from.camera.name, ignored).empty();
-    });
+    return std::ranges::any_of(
+        cameras, [&](const CalibratedCamera& from) { return !frames_of_camera(folder, from.camera.name).empty(); });
 }
 
 // Pose2Sim names cameras after the images of their calibration, and takes the videos in natural order: so do we where

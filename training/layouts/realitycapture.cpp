@@ -159,6 +159,7 @@ Rig read_realitycapture_rig(const std::filesystem::path& folder, Split split) {
     Rig rig;
     rig.folder = folder;
     rig.format = "realitycapture";
+    rig.images_as_stored = true;
     rig.file = path.string();
     rig.world = "metres where the project has a scale (ground control points, distances); +Y up, turned from +Z up";
     std::vector<CalibratedCamera> calibrated;
@@ -172,7 +173,9 @@ Rig read_realitycapture_rig(const std::filesystem::path& folder, Split split) {
     }
     std::vector<CameraFrames> cameras = find_images(rig, calibrated);
     for (CameraFrames& camera : cameras) {  // the table does not say how large images are
-        camera.camera.lens = lens_of(rows.at(camera.camera.name), size_of(camera.frames.begin()->second), rig.file);
+        ImageSource first = camera.frames.begin()->second;
+        first.as_stored = rig.images_as_stored;
+        camera.camera.lens = lens_of(rows.at(camera.camera.name), size_of(first), rig.file);
         expect_sound(camera.camera, rig.file, camera.place);
     }
     add_cameras(rig, cameras, split);

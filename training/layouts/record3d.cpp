@@ -102,12 +102,13 @@ Rig read_record3d_rig(const std::filesystem::path& folder, Split split) {
     Rig rig;
     rig.folder = folder;
     rig.format = "record3d";
+    rig.images_as_stored = true;
     rig.file = file.name;
     rig.world = "metres; +Y is up in the first image, and level only where the phone was";
     std::vector<CameraFrames> stills;
     for (const auto& [name, image] : images_in(recording.images)) {
         CameraFrames still{record3d_camera(file.root(), name), fmt::format("poses[{}]", name), stills.size(), {}, {}};
-        fit_to_images(still.camera, size_of(image), image.path.string(), rig.file, still.place);
+        fit_to_images(still.camera, image, rig, still.place);
         still.frames[kOnlyFrame] = image;
         stills.push_back(std::move(still));
     }

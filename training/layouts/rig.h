@@ -17,6 +17,7 @@ namespace neuvv::training {
 struct ImageSource {
     std::filesystem::path path;  // empty: none
     int64_t video_frame = -1;    // −1: an image file
+    bool as_stored = false;      // whether an image file's Exif does not turn it
 };
 
 // What white means in a mask. Where a mask has an alpha channel, opaque counts as white.
@@ -56,6 +57,8 @@ struct Rig {
     // What a person checks before training: the unit of the poses and the way up, and what else the loader decided.
     std::string world;
     std::vector<std::string> remarks;
+    // Whether the program that calibrated ignores Exif's orientation. Loaders set it before they look for images.
+    bool images_as_stored = false;
 };
 
 }  // namespace neuvv::training
