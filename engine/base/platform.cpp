@@ -210,6 +210,11 @@ void catch_hangup() {
     if (before.sa_handler != SIG_IGN) std::signal(SIGHUP, on_stop_signal);
 }
 
+void catch_batch_signals() {
+    catch_hangup();
+    for (const int signal : {SIGUSR1, SIGXCPU, SIGPIPE}) std::signal(signal, on_stop_signal);
+}
+
 bool stop_requested() {
     if (g_stop == 0) return false;
     g_heeded = true;

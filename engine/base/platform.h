@@ -73,6 +73,9 @@ constexpr unsigned kUsualPatience_s = 10, kEndless = 0;
 void catch_stop_signals(unsigned patience_s = kUsualPatience_s);
 // The same for SIGHUP, which comes when the terminal is closed; but not where SIGHUP is ignored, as under nohup.
 void catch_hangup();
+// The same for what ends long work besides: SIGHUP as above, SIGUSR1 and SIGXCPU, which batch systems send before the
+// time is up, and SIGPIPE, which comes where nobody reads what is printed any more.
+void catch_batch_signals();
 bool stop_requested();
 
 bool stderr_is_terminal();
