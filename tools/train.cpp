@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/output_path.h"
 #include "base/platform.h"
+#include "gpu/device.h"
 #include "media/sound.h"
 #include "tools/commands.h"
 #include "tools/mpi.h"
@@ -109,6 +110,34 @@ std::optional<training::RunClaim> claim_file(const std::filesystem::path& output
     return claim;
 }
 
+// When the file was written with which a run begins; the least time where there is none.
+std::filesystem::file_time_type begun_at(const TrainOptions& options) {
+    std::error_code ignored;
+    return std::filesystem::last_write_time(
+        is_in_segments(options) ? voctree::index_file(options.output) : training::state_path(options.output), ignored);
+}
+
+// Trains on a device, which is made anew once where it is lost; `train` then goes on from the files that are there.
+void train_on(const std::string& name, TrainOptions& options, const std::function<void(const gpu::Device&)>& train) {
+    const std::filesystem::file_time_type before = begun_at(options);
+    for (bool is_new = false;; is_new = true) {
+        try {
+            return train(gpu::Device(name));
+        } catch (const gpu::VulkanError& error) {
+            if (!error.device_lost()) throw;
+            const std::string& output = options.output.string();
+            if (is_new || options.settings.team.size > 1 || stop_requested())
+                throw RuntimeFailure(
+                    fmt::format("{}: {}; look at the driver's messages (dmesg), or choose another device "
+                                "by --device; --resume goes on from the last checkpoint",
+                                output, error.what()));
+            say("\n{}: {}; the device is made anew\n", output, error.what());
+        }
+        // What a run has written is whole: it goes on, and one that had written nothing begins anew.
+        options.settings.resume = options.settings.resume || begun_at(options) != before;
+    }
+}
+
 // Begins the clip without training it.
 void run_plan(TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan, const CommonOptions& common) {
     if (refine_of(options.refine).needs_search()) {
@@ -151,9 +180,10 @@ void run_in_segments(TrainOptions& options, const training::Rig& rig, const Rank
         if (ranks.is_first()) run_plan(options, rig, plan, common);
         return;
     }
-    const gpu::Device device(device_of_rank(ranks, common.device));
-    say("training on {}\n", device.summary().name);
-    train_segments(device, options, rig, plan, ranks);
+    train_on(device_of_rank(ranks, common.device), options, [&](const gpu::Device& device) {
+        say("training on {}\n", device.summary().name);
+        train_segments(device, options, rig, plan, ranks);
+    });
 }
 
 // Ranks of one machine share the memory that images may take.
@@ -210,6 +240,7 @@ void run_train(TrainOptions options, const CommonOptions& common) {
         if (place != options.output) options.replaces = std::exchange(options.output, place);
     }
     catch_stop_signals(kEndless);
+    catch_batch_signals();
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
     const std::optional<media::Sound> audio = ranks.is_first() ? read_audio(options) : std::nullopt;
     const auto write_audio = [&] {
@@ -221,17 +252,19 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     if (ranks.is_first()) claim = claim_file(options.clip());
     if (ranks.is_first() && !options.replaces.empty() && !options.settings.resume) begin_replacement(options);
     write_audio();
-    const gpu::Device device(device_of_rank(ranks, common.device));
-    if (ranks.is_first())
-        say("training on {}{}\n", device.summary().name,
-            ranks.count > 1 ? fmt::format(", the first of {} processes", ranks.count) : "");
     if (ranks.count > 1) options.settings.team = join_team(ranks);
     if (!ranks.is_first()) options.live = {};
     RunView view{!ranks.is_first(), [&](double fraction) {
                      if (claim) claim->report(fraction);
                      return "";
                  }};
-    const bool complete = train_rig(device, options, rig, view);
+    bool complete = false;
+    train_on(device_of_rank(ranks, common.device), options, [&](const gpu::Device& device) {
+        if (ranks.is_first())
+            say("training on {}{}\n", device.summary().name,
+                ranks.count > 1 ? fmt::format(", the first of {} processes", ranks.count) : "");
+        complete = train_rig(device, options, rig, view);
+    });
     if (ranks.is_first()) conclude(options, complete);
 }
 

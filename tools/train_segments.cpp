@@ -11,6 +11,7 @@
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "base/seconds.h"
+#include "gpu/device.h"
 #include "tools/refine.h"
 #include "tools/replacement.h"
 #include "tools/report.h"
@@ -151,6 +152,8 @@ void SegmentedRun::train(size_t segment, const training::RunClaim& claim) {
     } catch (const InputError& error) {  // the other segments are worth having
         leave_out(segment, error);
     } catch (const RuntimeFailure& failure) {  // perhaps of this segment alone
+        const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&failure);
+        if (vulkan && vulkan->device_lost()) throw;
         machine_failed_ = true;
         leave_out(segment, failure);
     }

@@ -260,5 +260,32 @@ TEST_F(CliDevice, RenderSaysAtWhichImageTheDeviceWasLost) {
     EXPECT_TRUE(std::regex_search(result.err, line)) << result.err;
 }
 
+// Training makes a lost device anew, once, and goes on from what is on disk; a clip in segments, too.
+TEST_F(CliDevice, TrainingGoesOnOnADeviceThatIsMadeAnew) {
+    write_own_data();
+    std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
+    const test::LosableDevice losable(folder.path);
+    const auto train = [&](int losses, std::vector<std::string> more) {
+        losable.lose(losses);
+        std::vector<std::string> words = {"train",   file("data"), "-o",           file("lost.nvv"),
+                                          "--steps", "12",         "--resolution", "32"};
+        words.insert(words.end(), more.begin(), more.end());
+        return run_neuvv(words, "NEUVV_LOSE_DEVICE_AFTER=9");
+    };
+    for (const std::vector<std::string>& segments : {std::vector<std::string>{}, {"--segment", "2"}}) {
+        const ProgramResult once = train(1, segments);
+        EXPECT_EQ(once.code, 0) << once.err;
+        EXPECT_NE(once.err.find("device lost; the device is made anew"), std::string::npos) << once.err;
+        EXPECT_NE(once.out.find("wrote"), std::string::npos) << once.out;
+        std::filesystem::remove_all(file("lost.nvv"));
+        const ProgramResult twice = train(2, segments);
+        EXPECT_EQ(twice.code, 1) << twice.err;
+        const std::regex line("neuvv: .*lost.nvv: .*device lost; .*--device; --resume goes on .*\n");
+        EXPECT_TRUE(std::regex_search(twice.err, line)) << twice.err;
+        std::filesystem::remove_all(file("lost.nvv"));
+        std::filesystem::remove(file("lost.nvv.state"));
+    }
+}
+
 }  // namespace
 }  // namespace neuvv

@@ -319,6 +319,19 @@ TEST_F(KilledRun, CtrlCSavesAndExitsWell) {
     expect_resumes();
 }
 
+// What batch systems send before the time is up, and a terminal that is closed.
+TEST_F(KilledRun, TheSignalsOfBatchSystemsSaveToo) {
+    for (const int signal : {SIGUSR1, SIGHUP}) {
+        ChildProcess child(command(10000000, false), log_);
+        ASSERT_TRUE(child.until([&] { return std::filesystem::exists(nvv_); })) << read_text(log_);
+        child.send(signal);
+        EXPECT_EQ(child.wait(), 0) << read_text(log_);
+        EXPECT_NE(read_text(log_).find("interrupted"), std::string::npos) << read_text(log_);
+        std::filesystem::remove(nvv_);
+    }
+    expect_resumes();
+}
+
 // --preview and --metrics of a run that is interrupted: the log has the steps of both parts in order, the image exists.
 TEST_F(KilledRun, ShowsItselfWhileItRuns) {
     const std::filesystem::path preview = out_.path / "live/preview.png", metrics = out_.path / "live/run.jsonl";
