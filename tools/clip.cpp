@@ -13,6 +13,7 @@
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/unfinished_clip.h"
+#include "training/claim.h"
 #include "voctree/clip.h"
 #include "voctree/clip_sound.h"
 #include "voctree/coarse.h"
@@ -64,10 +65,28 @@ void write_piece(const Piece& piece, const std::filesystem::path& output) {
     voctree::write_nvv(output, part, {}, 9, voctree::coarse_tree(part));
 }
 
+// What to say of a piece whose training is not finished. The .state of a file that is no segment says nothing: it stays
+// when a run is finished.
+std::string unfinished_text(const Piece& piece) {
+    const std::filesystem::path& file = piece.source.file;
+    const bool is_segment = voctree::is_segmented(file.parent_path());
+    const auto claim = training::claim_of(file);
+    if (!is_segment && !claim) return "";
+    const std::string unfinished = training::unfinished_training(file);
+    return unfinished.empty()
+               ? ""
+               : fmt::format("{} is half trained ({}): the part has it as it is now", file.string(), unfinished);
+}
+
 // Writes the pieces as one clip: as a file where there is only one, else in segments.
 void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& output) {
-    for (const Piece& piece : pieces)  // before anything is written
+    for (const Piece& piece : pieces) {  // before anything is written
+        std::error_code ignored;
+        if (!std::filesystem::exists(piece.source.file, ignored))
+            throw InputError(piece.source.file.string(), "", "is not there",
+                             "train the clip to its end: the command that began it, with --resume");
         if (!voctree::is_plenoctree(piece.source.file)) voctree::read_segment_head(piece.source);
+    }
     catch_stop_signals();
     const UnfinishedClip clip(output);
     voctree::ClipIndex index{fps, {}};
@@ -81,6 +100,9 @@ void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& 
         progress.update(index.segments.size());
     }
     progress.finish();
+    // Said at the end, where it is seen.
+    for (const Piece& piece : pieces)
+        if (const std::string text = unfinished_text(piece); !text.empty()) fmt::print(stderr, "{}\n", text);
     if (pieces.size() > 1) voctree::write_clip_index(clip.folder(), index);
     clip.finish(pieces.size() > 1 ? clip.folder() : index.segments[0].file);
     fmt::print("wrote {}: {} frames in {} segment{}\n", output, index.frames(), pieces.size(),

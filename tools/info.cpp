@@ -99,25 +99,42 @@ void print(const InfoOptions& options, const voctree::NvvSummary& summary) {
                    size_text(chunk.stored_bytes), 100 * share);
     }
     if (options.check) fmt::print("checked: whole and sound\n");
+    if (const auto claim = training::claim_of(options.file))
+        fmt::print("training: {} trains it, {:.0f} % done; this is its last checkpoint\n", claim->owner,
+                   100 * claim->fraction);
 }
 
 // Adds to a segment's JSON how far its training is, where it is not finished; returns that for a line.
 std::string add_training(const voctree::ClipSegment& segment, nlohmann::ordered_json& json) {
-    if (const auto claim = training::claim_of(segment.file)) {
-        json["training"] = {{"owner", claim->owner}, {"fraction", claim->fraction}};
-        return fmt::format("; {} trains it, {:.0f} % done", claim->owner, 100 * claim->fraction);
-    }
-    if (!std::filesystem::exists(training::state_path(segment.file))) return "";
-    json["training"] = {{"owner", nullptr}};
-    return "; its training was interrupted";
+    const std::string text = training::unfinished_training(segment.file);
+    if (text.empty()) return "";
+    const auto claim = training::claim_of(segment.file);
+    json["training"] = claim ? nlohmann::ordered_json{{"owner", claim->owner}, {"fraction", claim->fraction}}
+                             : nlohmann::ordered_json{{"owner", nullptr}};
+    return "; " + text;
 }
 
-// What a segmented clip holds: its segments, of which those that cannot be read are named. Returns whether all can be.
-bool print_segments(const InfoOptions& options) {
+// What is not as it should be of a segmented clip.
+struct SegmentProblems {
+    bool damaged = false;
+    size_t not_there = 0;  // segments that have not been trained so far
+    bool in_training = false;
+
+    void expect_none(const std::string& file) const {
+        if (damaged) throw InputError(file, "", "has segments that cannot be played", "train them again");
+        if (not_there > 0 && !in_training)
+            throw InputError(file, "",
+                             fmt::format("has {} segments that are not trained, and nobody trains", not_there),
+                             "the command that began the clip trains them with --resume");
+    }
+};
+
+// Prints what a segmented clip holds: its segments, of which those that cannot be read are named.
+SegmentProblems print_segments(const InfoOptions& options) {
     const voctree::ClipIndex index = voctree::read_clip_index(options.file);
     auto json = nlohmann::ordered_json::array();
     uint64_t bytes = 0, leaves = 0;
-    bool sound = true;
+    SegmentProblems problems;
     std::string lines;
     for (const voctree::ClipSegment& segment : index.segments) {
         json.push_back(
@@ -125,7 +142,15 @@ bool print_segments(const InfoOptions& options) {
         if (segment.overlap > 0) json.back()["overlap"] = segment.overlap;
         lines += fmt::format("frames {:>6} to {:>6}  {:<12}", segment.first, segment.end() - 1,
                              segment.file.filename().string());
+        std::error_code ignored;
+        problems.in_training = problems.in_training || training::claim_of(segment.file).has_value();
         try {
+            if (!std::filesystem::exists(segment.file, ignored)) {
+                ++problems.not_there;
+                json.back()["problem"] = "not trained so far";
+                lines += " is not trained so far" + add_training(segment, json.back()) + "\n";
+                continue;
+            }
             const voctree::NvvSummary summary = voctree::summarise_nvv(segment.file);
             if (options.check) voctree::read_segment(segment);
             json.back().update({{"bytes", summary.file_bytes}, {"leaves", summary.head.leaf_count}});
@@ -133,7 +158,7 @@ bool print_segments(const InfoOptions& options) {
             bytes += summary.file_bytes;
             leaves += summary.head.leaf_count;
         } catch (const InputError& problem) {
-            sound = false;
+            problems.damaged = true;
             json.back()["problem"] = problem.what();
             lines += fmt::format(" cannot be played: {}", problem.what());
         }
@@ -150,11 +175,11 @@ bool print_segments(const InfoOptions& options) {
                                     {"seconds", seconds},
                                     {"segments", json},
                                     {"checked", options.check}}));
-        return sound;
+        return problems;
     }
     fmt::print("{}: clip in {} segments, {}\nclip    {} frames at {} fps, {:.2f} s\n{}", options.file,
                index.segments.size(), size_text(bytes), index.frames(), index.fps, seconds, lines);
-    return sound;
+    return problems;
 }
 
 void run(const InfoOptions& options, const CommonOptions& common) {
@@ -170,8 +195,8 @@ void run(const InfoOptions& options, const CommonOptions& common) {
     if (options.memory) throw InputError("--memory", options.file, "is for stages", "leave it out");
     if (stream::is_stream(options.file)) return print_stream_info(options.file, options.json, options.check);
     if (voctree::is_segmented(options.file)) {
-        if (!print_segments(options) && options.check)
-            throw InputError(options.file, "", "has segments that cannot be played", "train them again");
+        const SegmentProblems problems = print_segments(options);
+        if (options.check) problems.expect_none(options.file);
         return;
     }
     const voctree::NvvSummary summary = voctree::is_plenoctree(options.file) ? summary_of_plenoctree(options.file)

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "training/checkpoint.h"
 
 namespace neuvv::training {
 
@@ -72,6 +73,13 @@ std::optional<ClaimState> claim_of(const std::filesystem::path& nvv) {
         return state;  // it is being written
     }
     return state;
+}
+
+std::string unfinished_training(const std::filesystem::path& segment) {
+    if (const auto claim = claim_of(segment))
+        return fmt::format("{} trains it, {:.0f} % done", claim->owner, 100 * claim->fraction);
+    std::error_code ignored;
+    return std::filesystem::exists(state_path(segment), ignored) ? "its training was interrupted" : "";
 }
 
 }  // namespace neuvv::training

@@ -36,4 +36,8 @@ struct ClaimState {
 // Who trains into this .nvv now, if anybody does. Does not throw.
 std::optional<ClaimState> claim_of(const std::filesystem::path& nvv);
 
+// How far the training of a clip's segment is, for people: "process 12 of render7 trains it, 40 % done", "its training
+// was interrupted"; empty where it is finished. Does not throw.
+std::string unfinished_training(const std::filesystem::path& segment);
+
 }  // namespace neuvv::training

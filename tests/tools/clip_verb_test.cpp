@@ -7,6 +7,7 @@
 #include "support/segmented_copy.h"
 #include "support/temporary_folder.h"
 #include "tests/tools/run_neuvv.h"
+#include "training/claim.h"
 #include "voctree/clip.h"
 
 namespace neuvv {
@@ -50,6 +51,27 @@ TEST_F(ClipVerb, WholeSegmentsAreCopied) {
     EXPECT_EQ(voctree::read_segment(index.segments[0]).weights, voctree::frames_of(tree, 1, 1).weights);
     EXPECT_EQ(bytes_of(index.segments[1].file), bytes_of(parts + "/000002.nvv"));
     EXPECT_EQ(bytes_of(index.segments[2].file), bytes_of(parts + "/000005.nvv"));
+}
+
+// A segment whose training has not ended: its .state is there, or somebody has its claim.
+TEST_F(ClipVerb, AHalfTrainedSegmentIsSaid) {
+    write_text(parts + "/000002.nvv.state", "half trained");
+    const ProgramResult half = run_neuvv({"clip", "cut", parts, "-o", file("a.nvv"), "--from", "2", "--to", "4"});
+    ASSERT_EQ(half.code, 0) << half.err;
+    EXPECT_NE(half.err.find("000002.nvv is half trained (its training was interrupted)"), std::string::npos)
+        << half.err;
+    const ProgramResult other = run_neuvv({"clip", "cut", parts, "-o", file("b.nvv"), "--to", "2"});
+    EXPECT_EQ(other.err.find("half trained"), std::string::npos) << other.err;
+    std::filesystem::remove(parts + "/000002.nvv");
+    expect_refused({"clip", "cut", parts, "-o", file("c.nvv")}, 2, {"000002.nvv", "is not there", "--resume"});
+    // What is not trained is no damage, but no whole clip either, unless somebody trains.
+    expect_refused({"info", parts, "--check"}, 2, {"1 segments that are not trained", "--resume"});
+    const auto claim = training::RunClaim::take(parts + "/000002.nvv");
+    ASSERT_TRUE(claim);
+    claim->report(0.4);
+    const ProgramResult info = run_neuvv({"info", parts, "--check"});
+    ASSERT_EQ(info.code, 0) << info.err;
+    EXPECT_NE(info.out.find("is not trained so far; process"), std::string::npos) << info.out;
 }
 
 TEST_F(ClipVerb, AnOverlapEndsWithThePart) {
