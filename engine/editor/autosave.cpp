@@ -8,6 +8,7 @@ void Autosave::opened(std::optional<edit::RecoveryEntry> recovered) {
     writer_ =
         edit::recovery_folder().empty() ? nullptr : std::make_shared<edit::RecoveryWriter>(edit::recovery_folder());
     stored_id_ = 0;
+    failed_ = false;
     recovered_ = std::move(recovered);
 }
 
@@ -34,10 +35,15 @@ void Autosave::tick(double now_s) {
                     return [this, writer, id, problem] {
                         storing_ = false;
                         if (writer != writer_) return;  // another document was opened since
+                        const bool failed_before = std::exchange(failed_, !problem.empty());
+                        if (failed_) {  // the next tick tries again; it is said once
+                            if (!failed_before)
+                                editor_.notify("unsaved edits cannot be kept for recovery: " + problem, true);
+                            return;
+                        }
                         recovered_.reset();
                         stored_id_ = id;
-                        if (!problem.empty())
-                            editor_.notify("unsaved edits cannot be kept for recovery: " + problem, true);
+                        if (failed_before) editor_.notify("unsaved edits are kept for recovery again");
                     };
                 });
 }

@@ -37,7 +37,7 @@ class Autosave {
     JobQueue& jobs_;
     std::shared_ptr<edit::RecoveryWriter> writer_;  // only jobs use it, one at a time, until store_now()
     std::optional<edit::RecoveryEntry> recovered_;
-    bool storing_ = false;
+    bool storing_ = false, failed_ = false;
     uint64_t stored_id_ = 0;
     double stored_s_ = 0;
 };
