@@ -371,6 +371,9 @@ RenderTotals render_images(const RenderOptions& options, media::ImageSize size, 
         progress.update(i + 1 - part.first());
     }
     sink.finish(part.end(), [&] { part.finish_whole(); });
+    if (sink.removed() > 0)
+        fmt::print(stderr, "removed {} images of an earlier, longer render behind image {}\n", sink.removed(),
+                   part.end() - 1);
     RenderTotals totals = conclude_part(options, part, size, fps);
     totals.rendered = rendered;
     totals.seconds = seconds;

@@ -147,6 +147,15 @@ bool is_record_of(const std::filesystem::path& file, const RenderFacts& facts) {
     }
 }
 
+// How many images a record says are finished; 0 where it is damaged.
+uint32_t recorded_images(const std::filesystem::path& file) {
+    try {
+        return read_record(file).finished;
+    } catch (const InputError&) {
+        return 0;
+    }
+}
+
 }  // namespace
 
 void forget_renders(const ImageOutput& output) {
@@ -201,6 +210,7 @@ void ImageSink::open_record(bool resume, const std::optional<ImageRange>& range)
     const std::string name = range ? fmt::format("{}_{}-{}", kRecordName, range->first, range->end) : kRecordName;
     record_path_ = record_file(output_, name);
     for (const std::filesystem::path& other : records_of(output_)) {
+        if (!resume && !range) before_ = std::max(before_, recorded_images(other));
         if (other == record_path_) continue;
         if (resume)
             finished_images(other, facts_);
@@ -265,6 +275,11 @@ void ImageSink::finish(uint32_t end, const std::function<void()>& complete) {
     }
     if (video_) video_->finish();
     if (complete) complete();
+    std::error_code no_file;
+    for (uint32_t i = end; i < before_; ++i) {
+        removed_ += std::filesystem::remove(output_.file(i), no_file) ? 1 : 0;
+        if (output_.has_deep) std::filesystem::remove(output_.deep_file(i), no_file);
+    }
     if (video_path_.empty()) return;
     std::error_code ignored;  // the kept images are not needed any more; a folder with other files in it stays
     for (uint32_t i = first_; i < end; ++i) std::filesystem::remove(output_.file(i), ignored);

@@ -85,6 +85,8 @@ class ImageSink {
     // After the last image, whose number is end − 1: waits until all are written. `complete` is called when the video
     // is there, while an interrupted run could still make it again. Throws as add() does.
     void finish(uint32_t end, const std::function<void()>& complete = {});
+    // How many images of an earlier, longer render finish() removed: those behind its end, so that the two do not mix.
+    uint32_t removed() const { return removed_; }
 
   private:
     void open_record(bool resume, const std::optional<ImageRange>& range);
@@ -97,7 +99,9 @@ class ImageSink {
     std::optional<VideoWriter> video_;
     std::filesystem::path record_path_;  // empty: nothing is recorded
     RenderFacts facts_;
-    uint32_t first_;                    // the number of the sink's first image
+    uint32_t first_;       // the number of the sink's first image
+    uint32_t before_ = 0;  // the same of an earlier render that this one replaces
+    uint32_t removed_ = 0;
     uint32_t had_;                      // the number after that of the last image of an earlier run
     std::mutex mutex_;                  // guards the next two, which the workers write
     uint32_t finished_;                 // all images with lower numbers are written

@@ -62,6 +62,24 @@ TEST_F(Sink, WithoutResumeNothingIsKept) {
     EXPECT_FALSE(sink("o_%d.png", true).has(0)) << "the second render had not finished it";
 }
 
+// A shorter render leaves no images of a longer one behind its end; files that no render recorded stay.
+TEST_F(Sink, AShorterRenderRemovesTheRestOfALongerOne) {
+    const auto render = [&](uint32_t images) {
+        media::ImageSink out = sink("s_%d.png", false);
+        for (uint32_t i = 0; i < images; ++i) out.add(i, image_of(static_cast<uint8_t>(i)));
+        out.finish(images);
+        return out.removed();
+    };
+    EXPECT_EQ(render(5), 0u);
+    write_text(folder.path / "s_7.png", "mine");
+    facts["images"] = "3";
+    EXPECT_EQ(render(3), 2u);
+    for (const auto& [name, is_there] :
+         {std::pair("s_2.png", true), {"s_3.png", false}, {"s_4.png", false}, {"s_7.png", true}})
+        EXPECT_EQ(std::filesystem::exists(folder.path / name), is_there) << name;
+    EXPECT_EQ(render(3), 0u);
+}
+
 TEST_F(Sink, TwoRendersAreNotMixed) {
     sink("o_%d.png", false).add(0, image_of(1));
     facts["--size"] = "32x16";
