@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "base/platform.h"
@@ -140,8 +141,14 @@ std::optional<training::RigFindings> search_rig(const gpu::Device& device, const
                                                 bool move_cameras) {
     settings.refine = colour;
     StatusLine line(true);
+    bool said = false;
     auto found =
         training::search_rig(device, dataset, settings, move_cameras, [&](const training::RigSearchProgress& now) {
+            if (!std::exchange(said, true))
+                say(
+                           "a draft looks for errors of the rig for {}; Ctrl-C ends it with what it has found\n",
+                           now.most_s > 0 ? "at most " + format_duration(now.most_s)
+                                          : "about " + format_duration(now.elapsed_s + now.eta_s));
             if (line.is_due()) line.print(progress_text(now));
             return !stop_requested();
         });
@@ -155,12 +162,18 @@ bool correct_rig(const gpu::Device& device, const training::Dataset& dataset, co
     constexpr training::ColourRefinement kAll{true, true, true};
     const auto found = search_rig(device, dataset, settings, refine.automatic ? kAll : refine.what.colour,
                                   refine.automatic || refine.what.poses);
-    if (!found) return false;
-    const training::Refinement what = refine.automatic ? training::worthwhile(*found) : refine.what;
+    if (!found && stop_requested()) return false;
+    training::Refinement what = refine.what;
+    if (found && refine.automatic) what = training::worthwhile(*found);
+    if (!found || !found->whole)
+        say("the draft ended before its end: {}\n",
+                   !found             ? "nothing was found, and nothing is corrected"
+                   : refine.automatic ? "poses and times are not known well enough to be corrected"
+                                      : "what it found is not exact");
     if (refine.automatic) say("--refine auto: {}\n", names_of(what));
     settings.refine = what.colour;
-    if (what.poses) settings.rig.poses = found->changes.poses;
-    if (what.time)
+    if (found && what.poses) settings.rig.poses = found->changes.poses;
+    if (found && what.time)
         for (size_t i = 0; i < dataset.cameras.size(); i++)
             settings.rig.frames_late.push_back(training::is_late(*found, i) ? found->changes.frames_late[i] : 0);
     if (settings.steps == 0) {

@@ -21,14 +21,14 @@ struct Refine {
 // Reads names after commas: "colour,poses", "auto". Throws InputError for others.
 Refine refine_of(const std::string& text);
 
-// Searches with a status line; looks at colours as `colour` says, and at poses where cameras may move. Nothing where
-// Ctrl-C stopped it.
+// Searches with a status line; looks at colours as `colour` says, and at poses where cameras may move. Ctrl-C ends the
+// search with what it has found so far; nothing where that is nothing.
 std::optional<training::RigFindings> search_rig(const gpu::Device& device, const training::Dataset& dataset,
                                                 training::TrainSettings settings, training::ColourRefinement colour,
                                                 bool move_cameras);
 
 // Searches, and sets what `settings` correct and learn; takes the time that this took off their budget in minutes.
-// False where Ctrl-C stopped it.
+// False where Ctrl-C stopped it before anything was found.
 bool correct_rig(const gpu::Device& device, const training::Dataset& dataset, const Refine& refine,
                  training::TrainSettings& settings);
 

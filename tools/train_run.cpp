@@ -203,7 +203,7 @@ std::optional<training::RigCorrection> find_correction(const gpu::Device& device
     const training::Rig rig = frames.of(clip);
     const training::Dataset dataset = load_images(segment, rig, load_options(segment), false);
     if (shows_nothing(dataset)) return std::nullopt;
-    if (!correct_rig(device, dataset, refine_of(options.refine), options.settings)) return std::nullopt;
+    if (!correct_rig(device, dataset, refine_of(options.refine), options.settings)) return std::nullopt;  // stopped
     training::RigCorrection correction{options.settings.refine, {}, options.settings.rig};
     for (const training::RigCamera& camera : rig.cameras) correction.cameras.push_back(camera.name);
     return correction;

@@ -132,6 +132,8 @@ class RigSearch {
         found_.changes.poses = still_;
         found_.motion_px.resize(still_.size());
         found_.psnr.resize(still_.size());
+        if (settings.steps == 0)
+            progress_.most_s = 60 * kMostOfBudget * (settings.minutes > 0 ? settings.minutes : kDefaultMinutes);
     }
 
     std::optional<RigFindings> operator()(const gpu::Device& device, const RigSearchCallback& callback);
@@ -151,6 +153,7 @@ class RigSearch {
     glm::dvec3 centre_;
     double began_ = seconds_now();
     RigFindings found_;
+    std::vector<PoseChange> steady_;                   // before the last rounds
     std::vector<std::vector<TimeEvidence>> lateness_;  // of the last rounds, by camera
     RigSearchProgress progress_;
 };
@@ -208,6 +211,11 @@ void RigSearch::make_round(const BetweenSteps& now) {
     progress_.rounds++;
     progress_.motion_px = root_mean_square(found_.motion_px);
     progress_.last_motion_px = root_mean_square(motion_between(given_, before, found_.changes.poses, centre_));
+    found_.pixels = pixels;
+    constexpr uint32_t kSteadyFrom = kRounds - kRoundsForTime;
+    if (progress_.rounds == kSteadyFrom) steady_ = found_.changes.poses;
+    if (progress_.rounds > kSteadyFrom)
+        found_.unsteady_px = root_mean_square(motion_between(given_, steady_, found_.changes.poses, centre_));
 }
 
 // How late cameras are, by the mean of the last rounds.
@@ -232,22 +240,25 @@ std::optional<RigFindings> RigSearch::operator()(const gpu::Device& device, cons
     bool stopped = false;
     TrainSettings draft = draft_settings();
     draft.between_steps = [&](const BetweenSteps& now) {
-        progress_.fraction = std::min(now.fraction / kDraftEnd, 1.0);
+        found_.colours = now.colours;
+        // Rounds and changes of the tree are no progress of the draft, but take time of the run.
+        const double spent = progress_.most_s > 0 ? (seconds_now() - began_) / progress_.most_s : 0;
+        progress_.fraction = std::min(std::max(now.fraction / kDraftEnd, spent), 1.0);
         const double due = kFirstRound + (1 - kFirstRound) * progress_.rounds / kRounds;
         if (progress_.rounds < kRounds && progress_.fraction >= due) make_round(now);
-        if (progress_.fraction < 1) return !stopped;
-        conclude_times();
-        found_.colours = now.colours;
-        return false;
+        return progress_.fraction < 1 && !stopped;
     };
     train(device, draft_, draft, {}, [&](const TrainProgress&) {
         progress_.elapsed_s = seconds_now() - began_;
         if (progress_.fraction > 0) progress_.eta_s = progress_.elapsed_s * (1 / progress_.fraction - 1);
+        if (progress_.most_s > 0)
+            progress_.eta_s = std::min(progress_.eta_s, std::max(progress_.most_s - progress_.elapsed_s, 0.0));
         stopped = !callback(progress_);
         return !stopped;
     });
-    if (stopped && progress_.fraction < 1) return std::nullopt;
-    if (found_.late_by.empty()) conclude_times();  // the time was spent before the draft was done
+    if (progress_.rounds == 0) return std::nullopt;
+    found_.whole = progress_.rounds == kRounds;
+    conclude_times();
     return found_;
 }
 
@@ -294,8 +305,12 @@ Refinement worthwhile(const RigFindings& findings) {
         what.colour.vignetting |= std::abs(missing_at_corners(colours, camera)) > kWorthVignetting;
     }
     what.colour.exposure = !exposures.empty() && root_mean_square(exposures) > kWorthExposure;
-    what.poses = root_mean_square(findings.motion_px) > kWorthPixels;
-    what.time &= !what.poses;  // a camera that stands elsewhere seems late
+    // Poses of a draft that ended early, whose leaves are coarse, or that still move are those of the draft, not of the
+    // rig: cameras that stand exactly would be moved away.
+    const double motion_px = root_mean_square(findings.motion_px);
+    what.poses = findings.whole && motion_px > kWorthPixels * findings.pixels &&
+                 findings.unsteady_px < kMostUnsteady * motion_px;
+    what.time = what.time && findings.whole && !what.poses;  // a camera that stands elsewhere seems late
     return what;
 }
 

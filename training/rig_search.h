@@ -21,9 +21,13 @@ struct RigFindings {
     CameraColours colours;          // what TrainSettings::refine asks for
     std::vector<double> psnr;       // of the draft against some of the camera's tiles, dB; 0 where there are none
     std::vector<double> motion_px;  // by how much the change of the pose moves the image
+    bool whole = false;             // all rounds were done
+    double pixels = 1;              // the size of the draft's leaves in the last round
+    double unsteady_px = 0;         // by how much the last rounds still moved images, root of the mean square
 };
 
 struct RigSearchProgress {
+    double most_s = 0;  // that the search may take; 0: no bound
     double fraction = 0, elapsed_s = 0, eta_s = 0;
     uint32_t rounds = 0;        // done so far
     double motion_px = 0;       // by how much the poses found so far move images: root of the mean square, pixels
@@ -34,16 +38,18 @@ struct RigSearchProgress {
 using RigSearchCallback = std::function<bool(const RigSearchProgress&)>;
 
 // Without `move_cameras`, all stay where they are, and only times are found (and colours): a camera that is late and
-// one that stands elsewhere look alike, so that what moves them hides how late they are. Returns nothing where the
-// callback stopped the search. Shape, seed, losses and `refine` are those of `settings`; of its budget in minutes, the
-// search takes at most a fifth; where that is spent before the draft is done, what was found until then is returned.
+// one that stands elsewhere look alike, so that what moves them hides how late they are. Shape, seed, losses and
+// `refine` are those of `settings`; of its budget in minutes, the search takes at most a fifth. Where that is spent
+// before the draft is done, or the callback stops the search, what was found until then is returned; nothing where no
+// round was done.
 // Cameras without an image at the chosen times move only by what all have in common. Images of up to four frames are
 // copied into memory. Throws InputError and RuntimeFailure as train() does.
 std::optional<RigFindings> search_rig(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings,
                                       bool move_cameras, const RigSearchCallback& callback);
 
 // The smallest findings that are worth correcting. A clean rig gives smaller ones (RESULTS.md).
-constexpr double kWorthPixels = 0.3;      // motion of images by poses, root of the mean square over all cameras
+constexpr double kWorthPixels = 0.3;      // motion of images by poses in the draft's leaves: root of the mean square
+constexpr double kMostUnsteady = 0.25;    // of that motion: where the last rounds moved images by more, it is not found
 constexpr double kWorthGain = 0.08;       // of any camera's gain from 1
 constexpr double kWorthExposure = 0.03;   // root of the mean square of the logarithms of exposures
 constexpr double kWorthVignetting = 0.2;  // light that any camera misses at its corners, or has too much of

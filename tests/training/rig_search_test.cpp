@@ -58,6 +58,9 @@ TEST_F(RigSearchTest, CamerasMoveBackToWhereTheyStood) {
         });
     ASSERT_TRUE(found);
     EXPECT_EQ(last_fraction, 1);
+    std::printf("spoilt cameras: images moved by %.3f pixels, unsteady by %.3f, leaves of %.0f\n", motion_px,
+                found->unsteady_px, found->pixels);
+    EXPECT_TRUE(training::worthwhile(*found).poses);
     EXPECT_GT(motion_px, 0.2);
     const double before = image_error(truth, dataset.cameras, centre);
     EXPECT_GT(before, 0.5);
@@ -69,8 +72,57 @@ TEST_F(RigSearchTest, StopsWhereItsCallbackSaysSo) {
     training::TrainSettings settings;
     settings.shape.resolution = 40;
     settings.steps = 1;
-    const auto stop = [](const training::RigSearchProgress&) { return false; };
-    EXPECT_FALSE(training::search_rig(device(), dataset, settings, true, stop));
+    // What was found until then is kept, but not taken for certain.
+    bool stopped = false;
+    const auto stop = [&](const training::RigSearchProgress& now) {
+        EXPECT_EQ(now.most_s, 0) << "a budget in steps bounds no time";
+        stopped = now.rounds > 0;
+        return !stopped;
+    };
+    const auto found = training::search_rig(device(), dataset, settings, true, stop);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->whole, !stopped);
+    EXPECT_EQ(found->changes.poses.size(), dataset.cameras.size());
+    EXPECT_EQ(found->changes.frames_late.size(), dataset.cameras.size());
+    settings.steps = 0;
+    settings.minutes = 0.1;
+    training::search_rig(device(), dataset, settings, true, [](const training::RigSearchProgress& now) {
+        EXPECT_NEAR(now.most_s, 1.2, 1e-9) << "a fifth";
+        return true;
+    });
+}
+
+// Poses are corrected where the draft is sure of them.
+TEST(RigFindings, AreWorthwhileWhereTheDraftIsSure) {
+    training::RigFindings found;
+    found.motion_px = {1, 1};
+    found.changes.frames_late = {0, 0};
+    found.late_by = {1, 1};
+    found.whole = true;
+    found.unsteady_px = 0.1;
+    EXPECT_TRUE(training::worthwhile(found).poses);
+    training::RigFindings early = found, coarse = found, unsteady = found;
+    early.whole = false;
+    coarse.pixels = 4;
+    unsteady.unsteady_px = 0.5;
+    for (const training::RigFindings& doubtful : {early, coarse, unsteady})
+        EXPECT_FALSE(training::worthwhile(doubtful).poses);
+}
+
+TEST_F(RigSearchTest, ExactCamerasStay) {
+    const TemporaryFolder folder;
+    const training::Dataset dataset = performer_capture(folder.path);
+    training::TrainSettings settings;
+    settings.steps = 100;
+    const auto go_on = [](const training::RigSearchProgress&) { return true; };
+    const auto found = training::search_rig(device(), dataset, settings, true, go_on);
+    ASSERT_TRUE(found && found->whole);
+    double sum = 0;
+    for (const double px : found->motion_px) sum += px * px;
+    std::printf("exact cameras: images moved by %.3f pixels, unsteady by %.3f, leaves of %.0f\n",
+                std::sqrt(sum / static_cast<double>(found->motion_px.size())), found->unsteady_px, found->pixels);
+    EXPECT_FALSE(training::worthwhile(*found).poses);
+    EXPECT_FALSE(training::worthwhile(*found).time);
 }
 
 TEST_F(RigSearchTest, ARunMovesItsCamerasAndAResumedRunDoesSoAgain) {
