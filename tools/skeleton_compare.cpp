@@ -63,6 +63,8 @@ void print_comparison(const motion::Comparison& comparison) {
     for (size_t limb = 0; limb < motion::kLimbs; ++limb)
         if (comparison.limb_scores[limb] >= 0)
             fmt::print("  {:<10} {:3.0f}\n", motion::kLimbNames[limb], comparison.limb_scores[limb]);
+        else
+            fmt::print("  {:<10}   -  not compared\n", motion::kLimbNames[limb]);
     for (const motion::Mistake& mistake : comparison.mistakes) fmt::print("{}\n", text_of(mistake));
 }
 
@@ -78,8 +80,7 @@ void run_compare(CompareOptions& options) {
     if (!options.html.empty()) prepare_result("--html", options.html, kHtmlEndings);
     if (!options.csv.empty()) prepare_result("--csv", options.csv, kCsvEnding);
     options.compare.counted = counted_limbs(options.leave_out);
-    const motion::SkeletonClip trainer = motion::read_skeleton(options.trainer);
-    const motion::SkeletonClip trainee = motion::read_skeleton(options.trainee);
+    const motion::SkeletonClip trainer = read_motion(options.trainer), trainee = read_motion(options.trainee);
     const motion::Comparison found = motion::compare(trainer, trainee, options.compare);
     if (!options.html.empty())
         write_text_file(options.html, motion_page({options.trainer, options.trainee}, trainer, trainee, found,
@@ -129,8 +130,11 @@ class Follower {
         print_changes(time_s, live_.add(pose.pose, time_s, time_s), wrong_);
     }
     void print_score() const {
+        const auto known = [](const motion::LimbFeedback& limb) { return limb.error_deg >= 0; };
         if (live_.feedback().score < 0)
-            fmt::print("no limb was measured in both\n");
+            fmt::print("no score: {}\n", std::ranges::any_of(live_.feedback().limbs, known)
+                                             ? "the poses are too few"
+                                             : "no limb was measured in both");
         else
             fmt::print("score {:.0f} of 100\n", live_.feedback().score);
     }
@@ -166,7 +170,7 @@ size_t follow_lines(LineReader& lines, const std::string& name, Follower& follow
 
 // Poses that come to a port, by the time at which they come. Returns how many packets were left out.
 size_t follow_port(motion::PoseSource& source, Follower& follower) {
-    say("listens: {}\n", source.name());
+    say("listens: {}; {}\n", source.name(), source.advice());
     const auto start = std::chrono::steady_clock::now();
     bool said = false;
     while (!stop_requested()) {
@@ -185,13 +189,16 @@ size_t follow_port(motion::PoseSource& source, Follower& follower) {
 
 void run_follow(FollowOptions& options) {
     options.compare.counted = counted_limbs(options.leave_out);
-    const motion::SkeletonClip trainer = motion::read_skeleton(options.trainer);
+    const motion::SkeletonClip trainer = read_motion(options.trainer);
     const std::string name = options.stream == "-" ? "stdin" : options.stream;
     Follower follower(trainer, options.compare);
     size_t left_out = 0;
+    std::string advice = "write one pose a line, as engine/motion/README.md says";
     catch_stop_signals();
     if (motion::is_port_address(options.stream)) {
-        left_out = follow_port(*motion::open_pose_source(options.stream), follower);
+        const std::unique_ptr<motion::PoseSource> source = motion::open_pose_source(options.stream);
+        advice = source->advice();
+        left_out = follow_port(*source, follower);
     } else if (options.stream == "-") {
         LineReader lines(STDIN_FILENO, motion::kLongestPoseLine);
         left_out = follow_lines(lines, name, follower);
@@ -199,8 +206,7 @@ void run_follow(FollowOptions& options) {
         LineReader lines(std::filesystem::path(options.stream), motion::kLongestPoseLine);
         left_out = follow_lines(lines, name, follower);
     }
-    if (!follower.begun())
-        throw InputError(name, "", "has no pose", "write one pose a line, as engine/motion/README.md says");
+    if (!follower.begun()) throw InputError(name, "", "has no pose", advice);
     if (left_out > 1)
         say("{} {} were left out\n", left_out, motion::is_port_address(options.stream) ? "packets" : "lines");
     follower.print_score();

@@ -15,6 +15,8 @@ constexpr double kPhrase_s = 6;         // over which the trainee's direction is
 constexpr double kReddens_s = 0.3;      // before a limb turns red, or back
 constexpr double kRelease = 0.85;       // of the tolerance: what a limb that is wrong must come back to
 constexpr double kLongestStep_s = 0.5;  // of the clip between two images, that are filled with poses
+constexpr double kLeastJudged_s = 1;    // before there is a score: one pose, or two, are no motion
+constexpr double kLeastJudged = 10;     // poses likewise
 constexpr size_t kLagFrames = 5;        // between two searches for lags, which take milliseconds
 
 // Keeps the newest `size` values.
@@ -103,7 +105,11 @@ void LiveComparison::judge(double step_s) {
     if (known == 0) return;
     sum_ += sum / known;
     ++count_;
-    feedback_.score = 100 * sum_ / count_;
+    judged_s_ += step_s;
+    // Of short clips, half is enough.
+    const double half = 0.5 * static_cast<double>(trainer_.frames.size());
+    if (count_ >= std::clamp(half, 3.0, kLeastJudged) && judged_s_ >= std::min(kLeastJudged_s, half / trainer_.fps))
+        feedback_.score = 100 * sum_ / count_;
 }
 
 }  // namespace neuvv::motion

@@ -19,7 +19,7 @@ struct LimbFeedback {
 
 struct Feedback {
     std::array<LimbFeedback, kLimbs> limbs;
-    double score = -1;          // 0..100 since the beginning; −1 as long as nothing is known
+    double score = -1;          // 0..100 since the beginning; −1 as long as too little is known
     double trainer_time_s = 0;  // which the trainee's pose matches
     double yaw = 0;             // by which the trainee stands turned, radians
 };
@@ -56,6 +56,7 @@ class LiveComparison {
     Pose last_pose_;                        // filtered, at last_clip_s_
     double last_judged_s_ = -INFINITY;
     double last_now_s_ = -INFINITY, last_clip_s_ = -1, sum_ = 0, count_ = 0;
+    double judged_s_ = 0;  // in which a limb was known
     size_t frames_ = 0;
 };
 

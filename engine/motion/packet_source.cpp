@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <optional>
+#include <vector>
+
 #include "base/error.h"
 #include "base/udp_socket.h"
 #include "motion/pose_stream.h"
@@ -11,51 +15,65 @@ namespace neuvv::motion {
 
 namespace {
 
-constexpr double kSilence_s = 2;  // after which another sender may go on
+constexpr double kSilence_s = 2;    // after which another sender may go on
+constexpr double kPatience_s = 1;   // in which a body may come in parts, or from another sender
+constexpr size_t kMostSenders = 8;  // that are heard before one of them sends a body
 
+// The packets of one sender.
 class PacketReader {
   public:
     virtual ~PacketReader() = default;
-    // Takes a packet. Returns whether it belongs to a motion. Throws InputError where it is malformed.
-    virtual bool read(std::span<const uint8_t> packet, double now_s, PoseStream& stream) = 0;
-    // No more packets wait. Throws InputError where what came is no pose.
-    virtual void end(double now_s, PoseStream& stream) = 0;
-    // The next packets are of another sender.
-    virtual void forget_sender() = 0;
+    // Takes a packet, which came from this port. Returns whether it is a pose by itself. Throws InputError where it is
+    // malformed.
+    virtual bool read(std::span<const uint8_t> packet, uint16_t port, double now_s, PoseStream& stream) = 0;
+    // No more packets wait. Returns whether a pose has come. Throws InputError where what came is no pose.
+    virtual bool end(double now_s, PoseStream& stream) = 0;
 };
 
+// Programs without a body, as trackers of faces, send their status to the same port: it says nothing of the body that
+// another program sends. A program may send from another port each time.
 class VmcReader : public PacketReader {
   public:
     explicit VmcReader(std::string name) : name_(std::move(name)) {}
-    bool read(std::span<const uint8_t> packet, double, PoseStream&) override { return body_.read(packet, name_); }
-    void end(double now_s, PoseStream& stream) override {
-        if (const auto poses = body_.take(name_)) stream.add_untimed(poses->newest, now_s, poses->count);
+    bool read(std::span<const uint8_t> packet, uint16_t port, double, PoseStream&) override {
+        const bool is_of_body = port_ && (*port_ == port || !steady_);
+        if (!body_.read(packet, name_, is_of_body)) return false;
+        steady_ = !port_ || *port_ == port;
+        port_ = port;
+        return false;
     }
-    void forget_sender() override { body_ = {}; }
+    bool end(double now_s, PoseStream& stream) override {
+        const auto poses = body_.take(name_);
+        if (poses) stream.add_untimed(poses->newest, now_s, poses->count);
+        return poses.has_value();
+    }
 
   private:
     std::string name_;
     VmcBody body_;
+    std::optional<uint16_t> port_;  // from which bones came last
+    bool steady_ = true;            // they came from it before
 };
 
 class JsonReader : public PacketReader {
   public:
     explicit JsonReader(std::string name) : name_(std::move(name)) {}
-    bool read(std::span<const uint8_t> packet, double now_s, PoseStream& stream) override {
+    bool read(std::span<const uint8_t> packet, uint16_t, double now_s, PoseStream& stream) override {
         stream.add(read_pose_line({packet.begin(), packet.end()}, name_), now_s);
         return true;
     }
-    void end(double, PoseStream&) override {}
-    void forget_sender() override {}
+    bool end(double, PoseStream&) override { return false; }
 
   private:
     std::string name_;
 };
 
+using MakeReader = std::unique_ptr<PacketReader> (*)(const std::string& name);
+
 class PacketSource : public PoseSource {
   public:
-    PacketSource(std::unique_ptr<UdpSocket> socket, std::unique_ptr<PacketReader> reader, std::string name)
-        : socket_(std::move(socket)), reader_(std::move(reader)), name_(std::move(name)) {}
+    PacketSource(std::unique_ptr<UdpSocket> socket, MakeReader make_reader, std::string name, std::string advice)
+        : socket_(std::move(socket)), make_reader_(make_reader), name_(std::move(name)), advice_(std::move(advice)) {}
 
     std::optional<TimedPose> newest(double now_s) override {
         // Everything that waits, and not much more where packets come faster than they are read.
@@ -64,63 +82,96 @@ class PacketSource : public PoseSource {
             const std::optional<UdpPacket> packet = socket_->receive();
             if (!packet) break;
             bytes += packet->bytes.size();
-            try_reading([&] { take(*packet, now_s); });
+            take(*packet, now_s);
         }
-        try_reading([&] { reader_->end(now_s, stream_); });
-        // Only now is known that the sender said nothing since the last call, however long ago that was.
-        if (sender_ && now_s - heard_s_ > kSilence_s) {
-            sender_.reset();
-            reader_->forget_sender();
+        for (size_t i = 0; i < senders_.size(); ++i) end_poses(i, now_s);
+        // Only now is known that a sender said nothing since the last call, however long ago that was.
+        const size_t fell_silent =
+            std::erase_if(senders_, [&](const Sender& sender) { return now_s - sender.heard_s > kSilence_s; });
+        if (has_body_ && fell_silent > 0) {
+            has_body_ = false;
             stream_.forget_sender();
         }
         return stream_.take(now_s);
     }
     PoseSourceState state() const override { return stream_.state(); }
     std::string name() const override { return name_; }
+    std::string advice() const override { return advice_; }
 
   private:
-    void take(const UdpPacket& packet, double now_s) {
-        if (sender_ && packet.sender != *sender_)
-            return stream_.leave_out("a packet came from a second sender while the first one was sending");
-        if (packet.cut) return stream_.leave_out("a packet has more than 16 KiB");
-        if (!reader_->read(packet.bytes, now_s, stream_)) return;
-        sender_ = packet.sender;
-        heard_s_ = now_s;
-    }
+    // A program: the address of its machine, whatever its port.
+    struct Sender {
+        std::array<uint8_t, 16> host{};
+        std::unique_ptr<PacketReader> reader;
+        double since_s = 0, heard_s = 0;
+    };
 
-    template <typename Call>
-    void try_reading(Call&& call) {
+    void take(const UdpPacket& packet, double now_s) {
+        if (packet.cut) return stream_.leave_out("a packet has more than 16 KiB");
+        const auto known = std::ranges::find(senders_, packet.sender.host, &Sender::host);
+        const size_t index = static_cast<size_t>(known - senders_.begin());
+        const bool is_new = known == senders_.end();
+        if (is_new && (has_body_ || senders_.size() == kMostSenders))
+            return stream_.leave_out("a packet came from a second sender while the first one was sending");
+        if (is_new) senders_.push_back({packet.sender.host, make_reader_(name_), now_s, now_s});
         try {
-            call();
+            const bool is_pose = senders_[index].reader->read(packet.bytes, packet.sender.port, now_s, stream_);
+            if (is_pose || !has_body_) senders_[index].heard_s = now_s;
+            if (is_pose) follow(index);
         } catch (const InputError& error) {
+            if (is_new) senders_.pop_back();
             stream_.leave_out(error.what());
         }
     }
 
+    void end_poses(size_t index, double now_s) {
+        if (index >= senders_.size()) return;
+        try {
+            if (!senders_[index].reader->end(now_s, stream_)) return;
+            senders_[index].heard_s = now_s;
+            follow(index);
+        } catch (const InputError& error) {
+            if (has_body_ || now_s - senders_[index].since_s >= kPatience_s) stream_.leave_out(error.what());
+        }
+    }
+
+    // The sender whose packets have a body counts.
+    void follow(size_t index) {
+        if (has_body_) return;
+        has_body_ = true;
+        if (index > 0) std::swap(senders_[0], senders_[index]);
+        senders_.resize(1);
+    }
+
     std::unique_ptr<UdpSocket> socket_;
-    std::unique_ptr<PacketReader> reader_;
+    MakeReader make_reader_;
     PoseStream stream_;
-    std::string name_;
-    std::optional<UdpSender> sender_;
-    double heard_s_ = 0;
+    std::string name_, advice_;
+    std::vector<Sender> senders_;  // the one that is followed, or those that may be
+    bool has_body_ = false;        // one is followed
 };
 
 template <typename Reader>
-std::unique_ptr<PoseSource> listen(const char* kind, const std::string& host, uint16_t port,
+std::unique_ptr<PoseSource> listen(const char* kind, const char* advice, const std::string& host, uint16_t port,
                                    const std::string& address) {
     auto socket = std::make_unique<UdpSocket>(host, port, address);
     const std::string name = fmt::format("{} on {}", kind, socket->name());
-    return std::make_unique<PacketSource>(std::move(socket), std::make_unique<Reader>(name), name);
+    const auto make_reader = [](const std::string& stream) -> std::unique_ptr<PacketReader> {
+        return std::make_unique<Reader>(stream);
+    };
+    const std::string text = fmt::format(fmt::runtime(advice), socket->name());
+    return std::make_unique<PacketSource>(std::move(socket), make_reader, name, text);
 }
 
 }  // namespace
 
 std::unique_ptr<PoseSource> listen_for_vmc(const std::string& host, uint16_t port, const std::string& address) {
-    return listen<VmcReader>("VMC", host, port, address);
+    return listen<VmcReader>("VMC", "let a program send a whole body with the VMC protocol to {}", host, port, address);
 }
 
 std::unique_ptr<PoseSource> listen_for_json(const std::string& host, uint16_t port, const std::string& address) {
-    return listen<JsonReader>("JSON", host, port, address);
+    return listen<JsonReader>("JSON", "send a pose of JSON in each packet to {}, as engine/motion/README.md says", host,
+                              port, address);
 }
 
 }  // namespace neuvv::motion

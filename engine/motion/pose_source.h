@@ -30,6 +30,8 @@ class PoseSource {
     virtual bool is_recorded() const { return false; }
     virtual PoseSourceState state() const = 0;
     virtual std::string name() const = 0;  // "VMC on 127.0.0.1:39539"
+    // What to do where no pose comes.
+    virtual std::string advice() const { return "write one pose a line, as engine/motion/README.md says"; }
 };
 
 // Opens a source by what a user writes:

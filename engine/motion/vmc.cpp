@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "motion/bone_names.h"
 #include "motion/osc.h"
 
 namespace neuvv::motion {
@@ -48,7 +49,7 @@ const std::string& name_in(const OscMessage& message, const std::string& stream)
 
 }  // namespace
 
-bool VmcBody::read(std::span<const uint8_t> packet, const std::string& stream) {
+bool VmcBody::read(std::span<const uint8_t> packet, const std::string& stream, bool status_counts) {
     // Unity's space is left-handed; ours is its mirror image, x to −x. Rotations about x keep their angle.
     const auto transform_in = [&](const OscMessage& message) {
         std::array<double, 7> v{};
@@ -81,11 +82,11 @@ bool VmcBody::read(std::span<const uint8_t> packet, const std::string& stream) {
             moves.push_back({static_cast<size_t>(bone - kBones.begin()), transform});
     }
     // Nothing of the packet is malformed: now it is taken.
-    tracked_ = tracked.value_or(tracked_);
+    if (status_counts || !moves.empty()) tracked_ = tracked.value_or(tracked_);
     root_ = root.value_or(root_);
     for (const BoneMove& bone_move : moves) move(bone_move);
     if (packet[0] == '#') end_pose();
-    return !messages.empty();
+    return !moves.empty();
 }
 
 void VmcBody::move(const BoneMove& move) {
@@ -132,10 +133,17 @@ std::optional<VmcBody::Poses> VmcBody::take(const std::string& stream) {
         const std::array<glm::dmat4, kVmcBones> world = rest.world_from_bones();
         std::vector<RestBone> bones;
         for (size_t b = 0; b < kVmcBones; ++b) bones.push_back({known_[b] ? kBones[b].name : "", world[b], {}});
+        std::vector<std::string> names;
+        for (const RestBone& bone : bones) names.push_back(bone.name);
+        if (const std::string missing = find_bones(names).missing(); !missing.empty()) {
+            if (!whole_) return std::nullopt;  // the rest of the body is still on its way
+            throw InputError(stream, kBonePath, "has no " + missing,
+                             "let the program that sends track the whole body, not the face or the hands alone");
+        }
         try {
             sources_ = joint_sources(bones, stream);
         } catch (const InputError&) {
-            if (!whole_) return std::nullopt;  // the rest of the body is still on its way
+            if (!whole_) return std::nullopt;
             throw;
         }
     }

@@ -19,9 +19,10 @@ constexpr size_t kVmcBones = 22;  // of the VRM humanoid, without fingers, eyes 
 // README.md says which messages are read, and how their space becomes ours.
 class VmcBody {
   public:
-    // Takes a packet, as a whole or not at all. Returns whether it had something of a body or of its tracking. Throws
-    // InputError with `stream` where the packet is malformed, or has a number that cannot be.
-    bool read(std::span<const uint8_t> packet, const std::string& stream);
+    // Takes a packet, as a whole or not at all; the status of one without bones only where `status_counts`. Returns
+    // whether it had bones. Throws InputError with `stream` where the packet is malformed, or has a number that cannot
+    // be.
+    bool read(std::span<const uint8_t> packet, const std::string& stream, bool status_counts = true);
 
     struct Poses {
         Pose newest;

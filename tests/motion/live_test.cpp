@@ -78,6 +78,24 @@ TEST(Live, ACorrectPerformanceIsNeverRed) {
     }
 }
 
+TEST(Live, TwoPosesHaveNoScore) {
+    motion::LiveComparison live(dancer(), {});
+    const auto pose = [](double t) { return motion::pose_at(dancer(), t * dancer().fps); };
+    live.add(pose(0), 0, 0);
+    EXPECT_EQ(live.feedback().score, -1);
+    EXPECT_GE(live.feedback().limbs[0].error_deg, 0) << "limbs are judged";
+    live.add(pose(2), 2, 2);
+    EXPECT_EQ(live.feedback().score, -1);
+    for (double t = 2; t < 2.9; t += 1 / kRate) live.add(pose(t), t, t);
+    EXPECT_GT(live.feedback().score, 90);
+    // Of a short clip half is enough.
+    motion::SkeletonClip brief = dancer();
+    brief.frames.resize(8);
+    motion::LiveComparison short_live(brief, {});
+    for (double t = 0; t < 0.28; t += 0.04) short_live.add(pose(t), t, t);
+    EXPECT_GT(short_live.feedback().score, 90);
+}
+
 // A slow camera or a busy machine: every third frame of the clip is seen.
 TEST(Live, FewImagesAreEnough) {
     const auto judged = [](const motion::SkeletonClip& trainee) {

@@ -61,7 +61,7 @@ std::vector<test::VmcPart> t_pose(float x) {
 
 struct PoseSourceOnPort : testing::Test {
     std::unique_ptr<PoseSource> json = open_pose_source("udp:0"), vmc = open_pose_source("vmc:0");
-    test::UdpTransmitter first, second;
+    test::UdpTransmitter first, second{2};
 
     void send(double time_s, double x) const { first.send(line_of(time_s, x), port_of(*json)); }
 };
@@ -191,6 +191,64 @@ TEST_F(PoseSourceOnPort, VmcArrivesFromASocket) {
     EXPECT_FALSE(vmc->newest(6.1)) << "hips alone are no body";
     second.send(test::vmc_bundle(parts), port_of(*vmc));
     EXPECT_TRUE(vmc->newest(6.2));
+}
+
+// One address is one sender: programs take another port for each packet, or when they begin anew.
+TEST_F(PoseSourceOnPort, AnotherPortIsNoOtherSender) {
+    const test::UdpTransmitter again;
+    send(1, 1);
+    EXPECT_EQ(nose_of(json->newest(0)), 1);
+    again.send(line_of(2, 2), port_of(*json));
+    EXPECT_EQ(nose_of(json->newest(0.1)), 2);
+    EXPECT_EQ(json->state().left_out, 0u);
+    for (int i = 0; i < 4; ++i) {
+        (i % 2 ? first : again).send(test::vmc_bundle(t_pose(static_cast<float>(i))), port_of(*vmc));
+        EXPECT_TRUE(vmc->newest(i));
+    }
+    EXPECT_EQ(vmc->state().left_out, 0u);
+}
+
+// A tracker of faces, on the same machine or another one, and a program that sends the body.
+TEST_F(PoseSourceOnPort, TheSenderWithABodyCounts) {
+    const test::UdpTransmitter near_face, far_face{3};
+    const auto status = [](int tracked) {
+        return test::vmc_bundle({{"/VMC/Ext/OK", "", {1, 3, 0, static_cast<float>(tracked)}},
+                                 {"/VMC/Ext/Blend/Val", "A", {0.3f}},
+                                 {"/VMC/Ext/Bone/Pos", "LeftEye", {0, 0, 0, 0, 0, 0, 1}}});
+    };
+    // What trackers of faces may send of bones, twice, so that more is not expected.
+    const std::vector<test::VmcPart> parts = t_pose(0);
+    const std::string head = test::vmc_bundle({parts[1], parts[2]});
+    for (int i = 0; i < 20; ++i) {
+        SCOPED_TRACE(i);
+        near_face.send(status(0), port_of(*vmc));
+        far_face.send(status(0), port_of(*vmc));
+        if (i < 10) far_face.send(head, port_of(*vmc));
+        first.send(test::vmc_bundle(t_pose(0.1f * static_cast<float>(i))), port_of(*vmc));
+        const auto pose = vmc->newest(0.03 * i);
+        ASSERT_TRUE(pose);
+        EXPECT_NEAR(at(pose->pose, Joint::kPelvis).position.x, -0.1 * i, 1e-6);
+    }
+    EXPECT_EQ(vmc->state().poses, 20u);
+    // The body's own status counts.
+    first.send(status(0), port_of(*vmc));
+    first.send(test::vmc_bundle(t_pose(0)), port_of(*vmc));
+    EXPECT_FALSE(vmc->newest(1));
+    // A sender of a face alone is told what is missing, once a body might have come.
+    const auto faces = open_pose_source("vmc:0");
+    for (int i = 0; i < 3; ++i) {
+        far_face.send(head, port_of(*faces));
+        EXPECT_FALSE(faces->newest(0.6 * i));
+        EXPECT_EQ(faces->state().first_error.empty(), i < 2);
+    }
+    EXPECT_NE(faces->state().first_error.find("left foot; let the program that sends track the whole body"),
+              std::string::npos)
+        << faces->state().first_error;
+}
+
+TEST_F(PoseSourceOnPort, AdviceFitsTheProtocol) {
+    EXPECT_NE(vmc->advice().find("VMC protocol to 127.0.0.1:"), std::string::npos) << vmc->advice();
+    EXPECT_NE(json->advice().find("JSON in each packet"), std::string::npos) << json->advice();
 }
 
 // More packets than can wait: the call ends, and the poses stay those of the source's sender, in order.

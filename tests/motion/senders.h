@@ -52,8 +52,13 @@ inline std::string vmc_bundle(const std::vector<VmcPart>& parts) {
 
 class UdpTransmitter {
   public:
-    UdpTransmitter() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-        if (socket_ < 0) throw std::runtime_error("no socket");
+    // `machine`: from 127.0.0.N, as if it were another machine.
+    explicit UdpTransmitter(uint32_t machine = 1) : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+        sockaddr_in from{};
+        from.sin_family = AF_INET;
+        from.sin_addr.s_addr = htonl((INADDR_LOOPBACK & ~0xffu) + machine);
+        if (socket_ < 0 || bind(socket_, reinterpret_cast<const sockaddr*>(&from), sizeof from) != 0)
+            throw std::runtime_error("no socket");
     }
     UdpTransmitter(const UdpTransmitter&) = delete;
     UdpTransmitter& operator=(const UdpTransmitter&) = delete;

@@ -86,8 +86,12 @@ void feedback_text(const Training& training) {
     ImGui::Text("%s", training.session().trainer_name().c_str());
     ImGui::SameLine();
     if (coach.settings().mode == coach::Mode::kWatch) return ImGui::TextDisabled("nothing is compared");
-    if (!coach.ghost()) return ImGui::TextDisabled("nobody is seen");
-    if (coach.feedback().score < 0) return ImGui::TextDisabled("too little of the body is seen to be compared");
+    if (!coach.ghost()) {
+        const motion::PoseSource* const source = training.session().source();
+        return ImGui::TextWrapped("nobody is seen: %s",
+                                  source ? source->advice().c_str() : "hold the hands where the headset sees them");
+    }
+    if (coach.feedback().score < 0) return ImGui::TextDisabled("too little of the body was seen to be compared");
     ImGui::Text("%s", fmt::format("score {:.0f} of 100", coach.feedback().score).c_str());
     const std::string remarks = fmt::format("{}", fmt::join(coach.remarks(), ", "));
     ImGui::PushStyleColor(ImGuiCol_Text, kRemark);

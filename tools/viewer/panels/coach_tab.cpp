@@ -102,7 +102,8 @@ void coach_tab(Context& context, Coaching& coaching) {
     if (coach.feedback().score >= 0) ImGui::Text("score %.0f of 100", coach.feedback().score);
     for (const std::string& remark : coach.remarks()) ImGui::TextColored({1, 0.4f, 0.3f, 1}, "%s", remark.c_str());
     if (!coach.ghost() && coach.settings().mode != coach::Mode::kWatch)
-        ImGui::TextWrapped("Nobody is seen. %s", coaching.session().source()->name().c_str());
+        ImGui::TextWrapped("Nobody is seen by %s: %s.", coaching.session().source()->name().c_str(),
+                           coaching.session().source()->advice().c_str());
 }
 
 }  // namespace neuvv::viewer
