@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "base/error.h"
 #include "base/output_path.h"
@@ -17,15 +18,18 @@
 #include "tools/skeleton_verbs.h"
 #include "training/image_reader.h"
 #include "training/layouts/formats.h"
+#include "training/lens.h"
 
 namespace neuvv::tools {
 
 namespace {
 
 constexpr const char* kExtractFooter = R"(
-Key points are one JSON an image, {"people": [{"pose_keypoints_2d": [x, y, confidence, ...]}]}, of COCO-17, BODY_25,
-HALPE-26 or MediaPipe-33: what OpenPose writes with `--image_dir DIR/images --write_json DIR/key_points`, and Pose2Sim
-into a folder for each camera. DIR may also be a captured data set whose images have no lens distortion.
+Key points are one JSON an image, {"people": [{"pose_keypoints_2d": [x, y, confidence, ...]}]}: what OpenPose writes
+with `--image_dir DIR/images --write_json DIR/key_points`, and Pose2Sim into a folder for each camera. MMPose's and
+AlphaPose's JSON of an image, or of all, are read, too. The sets are COCO-17, BODY_25 and 25B, HALPE-26, MediaPipe-33,
+OpenPose-18, COCO-133 and HALPE-136. Files belong to the images of their names or numbers: an image without a file
+shows nobody. DIR may also be a captured data set; key points are those of its images, before lenses are corrected.
 
 --model runs a detector here and writes such files: an ONNX network that takes an image of one person, as HRNet,
 SimpleBaseline, ViTPose and RTMPose do (1×3×height×width, RGB), and gives heat maps (1×K×h×w) or SimCC's columns and
@@ -41,11 +45,28 @@ struct ExtractOptions {
     bool each_frame = false;
 };
 
-stage::Camera pinhole(const training::RigCamera& camera, const std::string& file) {
+stage::Camera pinhole(const training::RigCamera& camera) {
     const training::Lens& lens = camera.lens;
-    if (lens.distorts())
-        throw InputError(file, camera.name, "has a lens that distorts", "detect key points in undistorted images");
     return {camera.world_from_camera, lens.fx, lens.fy, lens.cx, lens.cy, lens.width, lens.height};
+}
+
+// Key points where pinhole cameras would show them. Those that no direction explains are left out.
+void undistort_key_points(const std::vector<training::Rig>& splits, motion::Detections& seen) {
+    size_t index = 0;
+    for (const training::Rig& rig : splits)
+        for (const training::RigCamera& camera : rig.cameras) {
+            const training::Lens& lens = camera.lens;
+            for (size_t f = 0; f < seen.frames && lens.distorts(); ++f)
+                for (motion::KeyPoint& point : seen.in(f, index)) {
+                    if (!(point.confidence > 0)) continue;
+                    const std::optional<glm::dvec2> xy = training::direction_at(lens, point.pixel);
+                    if (xy)
+                        point.pixel = {lens.cx + lens.fx * xy->x, lens.cy + lens.fy * xy->y};
+                    else
+                        point.confidence = 0;
+                }
+            ++index;
+        }
 }
 
 // The cameras of a data set's splits, its times, and the images whose key points are wanted.
@@ -60,14 +81,16 @@ std::vector<motion::WantedImage> wanted_images(const std::vector<training::Rig>&
     std::vector<motion::WantedImage> images;
     for (const training::Rig& rig : splits) {
         const size_t first_camera = seen.cameras.size();
-        for (const training::RigCamera& camera : rig.cameras) seen.cameras.push_back(pinhole(camera, rig.file));
+        for (const training::RigCamera& camera : rig.cameras) seen.cameras.push_back(pinhole(camera));
         for (const training::Shot& shot : rig.shots) {
             const auto frame = static_cast<size_t>(std::ranges::lower_bound(times, shot.time) - times.begin());
-            const std::string image = shot.image.path.stem().string();
+            std::string image = shot.image.path.stem().string();
+            if (shot.image.video_frame >= 0) image += fmt::format("_{:06}", shot.image.video_frame);
             // Images that this program wrote, c03_f012, name their cameras; other layouts name cameras themselves.
             const size_t mark = image.rfind("_f");
-            const std::string camera =
-                mark == std::string::npos ? rig.cameras[shot.camera].name : image.substr(0, mark);
+            const std::string camera = mark == std::string::npos || shot.image.video_frame >= 0
+                                           ? rig.cameras[shot.camera].name
+                                           : image.substr(0, mark);
             images.push_back({camera, image, first_camera + shot.camera, frame});
         }
     }
@@ -150,15 +173,26 @@ void write_detections(const ExtractOptions& options, const std::vector<training:
     say("wrote {} key points of {} images into {}\n", detector.layout().name, files.size(), folder.string());
 }
 
+// DIR/key_points; of a project of Pose2Sim that has none, DIR/pose.
+std::filesystem::path default_folder(const ExtractOptions& options) {
+    const std::filesystem::path folder = options.folder;
+    std::error_code ignored;
+    const bool is_pose2sim = options.model.empty() && !std::filesystem::exists(folder / "key_points", ignored) &&
+                             std::filesystem::is_directory(folder / "pose", ignored);
+    return folder / (is_pose2sim ? "pose" : "key_points");
+}
+
 void run_extract(const ExtractOptions& options) {
     prepare_result("--output", options.output, {".glb"});
     motion::Detections seen;
     const std::vector<training::Rig> splits = read_splits(options.folder);
     const std::vector<motion::WantedImage> images = wanted_images(splits, seen);
     std::filesystem::path folder = options.key_points;
-    if (folder.empty()) folder = std::filesystem::path(options.folder) / "key_points";
+    if (folder.empty()) folder = default_folder(options);
     if (!options.model.empty()) write_detections(options, splits, images, folder);
     motion::read_detections(folder, images, seen);
+    for (const std::string& note : seen.notes) say("{}\n", note);
+    undistort_key_points(splits, seen);
     say("{} frames from {} views\n", seen.frames, seen.cameras.size());
     const motion::Extraction found = motion::extract_skeleton(seen, {!options.each_frame});
     motion::write_skeleton(options.output, found.clip);
@@ -173,7 +207,8 @@ void add_skeleton_extract(Command group) {
     const auto options = std::make_shared<ExtractOptions>();
     verb.add_option("DIR", options->folder, "the folder of `neuvv skeleton views`").required();
     verb.add_option("-o,--output", options->output, "the skeleton, .skeleton.glb").required();
-    verb.add_option("--key-points", options->key_points, "the detector's folder; default: DIR/key_points");
+    verb.add_option("--key-points", options->key_points,
+                    "the detector's folder; default: DIR/key_points, or DIR/pose of Pose2Sim");
     Option model = verb.add_option("--model", options->model,
                                    "a network, .onnx: find key points in the images with it and write them there");
     verb.add_option("--pixels", options->pixels,

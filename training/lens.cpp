@@ -98,6 +98,24 @@ double fold_radius(const Lens& lens, double limit) {
     return limit;
 }
 
+std::optional<glm::dvec2> direction_at(const Lens& lens, glm::dvec2 pixel) {
+    constexpr double kStep = 1e-6, kClose = 1e-6;  // of a direction; pixels
+    constexpr double kWidest = 10;                 // 84° from the axis
+    constexpr int kMostSteps = 50;
+    glm::dvec2 xy = (pixel - glm::dvec2(lens.cx, lens.cy)) / glm::dvec2(lens.fx, lens.fy);
+    for (int i = 0; i < kMostSteps; ++i) {  // Newton's method, by differences
+        const glm::dvec2 off = pixel - project(lens, xy);
+        if (glm::length(off) < kClose)
+            return glm::length(xy) <= fold_radius(lens, kWidest) ? std::optional(xy) : std::nullopt;
+        const glm::dmat2 slope(
+            (project(lens, xy + glm::dvec2(kStep, 0)) - project(lens, xy - glm::dvec2(kStep, 0))) / (2 * kStep),
+            (project(lens, xy + glm::dvec2(0, kStep)) - project(lens, xy - glm::dvec2(0, kStep))) / (2 * kStep));
+        if (!(std::abs(glm::determinant(slope)) > 1e-9)) return std::nullopt;
+        xy += glm::inverse(slope) * off;
+    }
+    return std::nullopt;
+}
+
 glm::dvec2 project(const Lens& lens, glm::dvec2 xy) {
     return glm::dvec2(lens.cx, lens.cy) + glm::dvec2(lens.fx, lens.fy) * bend(lens, xy);
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 
 namespace neuvv::training {
 
@@ -31,6 +32,10 @@ Lens scaled(Lens lens, uint32_t width, uint32_t height);
 
 // The pixel position at which the lens shows the direction (x, y, 1).
 glm::dvec2 project(const Lens& lens, glm::dvec2 xy);
+
+// The direction (x, y, 1) that the lens shows at the pixel position; nothing where there is none, as in the corners of
+// a lens that folds over.
+std::optional<glm::dvec2> direction_at(const Lens& lens, glm::dvec2 pixel);
 
 // The smallest distance √(x² + y²) from the axis, up to `limit`, at which the lens folds over: directions (x, y, 1)
 // further out come back towards the middle of the image. Returns `limit` where the lens does not fold.

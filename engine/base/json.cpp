@@ -110,9 +110,14 @@ BasicJsonNode<Json> BasicJsonNode<Json>::operator[](const char* key) const {
     return {value[key], file, std::move(at), style, damage};
 }
 
-JsonFile read_json(const std::filesystem::path& file, const std::string& expected) {
+JsonFile read_json_value(const std::filesystem::path& file) {
     JsonFile result{file.string(), {}};
     result.document = parse(result.name, read_file(file, kMaxJsonBytes));
+    return result;
+}
+
+JsonFile read_json(const std::filesystem::path& file, const std::string& expected) {
+    JsonFile result = read_json_value(file);
     if (!result.document.is_object()) result.root().fail("is not a JSON object", "give " + expected);
     return result;
 }

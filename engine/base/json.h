@@ -53,6 +53,8 @@ struct JsonFile {
 // Reads a JSON file, which may contain comments. Throws InputError with the place of a syntax error, or where the
 // document is no object; `expected` says what the file should be.
 JsonFile read_json(const std::filesystem::path& file, const std::string& expected);
+// The same of any document.
+JsonFile read_json_value(const std::filesystem::path& file);
 
 // All of these throw InputError where the value has another type.
 template <typename Json>

@@ -53,7 +53,20 @@ constexpr KeyPointLayout kLayouts[] = {
     {"MediaPipe-33", 33, {{{23, 24}, {11, 12}, from(0),  from(12), from(14), from(16), from(11),
                            from(13), from(15), from(24), from(26), from(28), from(30), from(32),
                            kLacking, from(23), from(25), from(27), from(29), from(31), kLacking}}},
+    {"OpenPose-18", 18, {{{8, 11},  from(1),  from(0),  from(2),  from(3),  from(4),  from(5),
+                          from(6),  from(7),  from(8),  from(9),  from(10), kLacking, kLacking,
+                          kLacking, from(11), from(12), from(13), kLacking, kLacking, kLacking}}},
+    {"COCO-133", 133, {{{11, 12}, {5, 6},   from(0),  from(6),  from(8),  from(10), from(5),
+                        from(7),  from(9),  from(12), from(14), from(16), from(22), from(20),
+                        from(21), from(11), from(13), from(15), from(19), from(17), from(18)}}},
+    {"HALPE-136", 136, {{from(19), from(18), from(0),  from(6),  from(8),  from(10), from(5),
+                         from(7),  from(9),  from(12), from(14), from(16), from(25), from(21),
+                         from(23), from(11), from(13), from(15), from(24), from(20), from(22)}}},
 };
+constexpr KeyPointLayout kBody25b = {
+    "BODY_25B", 25, {{{11, 12}, {5, 6},   from(0),  from(6),  from(8),  from(10), from(5),
+                      from(7),  from(9),  from(12), from(14), from(16), from(24), from(22),
+                      from(23), from(11), from(13), from(15), from(21), from(19), from(20)}}};
 
 }  // namespace
 
@@ -67,10 +80,14 @@ const KeyPointLayout* find_key_point_layout(size_t points) {
     return nullptr;
 }
 
+const KeyPointLayout& body_25b() {
+    return kBody25b;
+}
+
 std::string key_point_layouts() {
     std::string text;
     for (const KeyPointLayout& layout : kLayouts) text += fmt::format("{}{}", text.empty() ? "" : ", ", layout.name);
-    return text;
+    return text + ", " + kBody25b.name;
 }
 
 }  // namespace neuvv::motion

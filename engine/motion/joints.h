@@ -67,9 +67,10 @@ struct KeyPointLayout {
     std::array<std::array<int, 2>, kJoints> sources;
 };
 
-// COCO-17, OpenPose BODY_25, HALPE-26 and MediaPipe's 33 are told apart by how many points a person has. Returns null
-// for another number.
+// Layouts are told apart by how many points a person has; 25 points count as BODY_25. Returns null for another number.
 const KeyPointLayout* find_key_point_layout(size_t points);
+// OpenPose's other set of 25 points.
+const KeyPointLayout& body_25b();
 // The names of all layouts, for messages: "COCO-17, BODY_25, ...".
 std::string key_point_layouts();
 

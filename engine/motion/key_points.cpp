@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
-#include <map>
+#include <optional>
 
 #include "base/error.h"
 #include "base/json.h"
 #include "base/output_path.h"
+#include "base/text.h"
+#include "motion/median.h"
 
 namespace neuvv::motion {
 
@@ -17,198 +17,173 @@ namespace {
 
 constexpr double kMaxPixel = 1e6;
 constexpr size_t kMaxPeople = 1000, kMaxPoints = 1000;
-const std::string kKeyPointEnding = "_keypoints";  // of a file's name, after that of its image
 
-struct Person {
-    std::vector<KeyPoint> points;
-    double confidence = 0;  // the sum
-};
+KeyPoint read_point(const JsonNode& x, const JsonNode& y, const JsonNode& confidence) {
+    KeyPoint point;
+    point.pixel = {json_number(x, -kMaxPixel, kMaxPixel, "a pixel"), json_number(y, -kMaxPixel, kMaxPixel, "a pixel")};
+    // Some detectors give scores a little above 1.
+    point.confidence = std::clamp(json_number(confidence, -1e3, 1e3, "a confidence"), 0.0, 1.0);
+    return point;
+}
 
-Person read_person(const JsonNode& node) {
-    const JsonNode list = node["pose_keypoints_2d"];
+// OpenPose's and AlphaPose's list x, y, confidence, x, ...
+std::vector<KeyPoint> read_flat_points(const JsonNode& list) {
+    if (list.value.is_array() && list.value.empty()) return {};
     expect_list(list);
     if (list.value.size() > 3 * kMaxPoints) list.fail(fmt::format("has more than {} key points", kMaxPoints));
     if (list.value.size() % 3 != 0) list.fail("is no list of x, y, confidence");
-    Person person;
-    for (size_t i = 0; i < list.value.size(); i += 3) {
-        KeyPoint point;
-        point.pixel = {json_number(list[i], -kMaxPixel, kMaxPixel, "a pixel"),
-                       json_number(list[i + 1], -kMaxPixel, kMaxPixel, "a pixel")};
-        // Some detectors give scores a little above 1.
-        point.confidence = std::clamp(json_number(list[i + 2], -1e3, 1e3, "a confidence"), 0.0, 1.0);
-        person.confidence += point.confidence;
-        person.points.push_back(point);
-    }
-    return person;
+    std::vector<KeyPoint> points;
+    for (size_t i = 0; i < list.value.size(); i += 3) points.push_back(read_point(list[i], list[i + 1], list[i + 2]));
+    return points;
 }
 
-KeyPoint joint_point(const Person& person, std::array<int, 2> sources) {
+// MMPose's lists [[x, y], ...] and [confidence, ...].
+std::vector<KeyPoint> read_paired_points(const JsonNode& places, const JsonNode& scores) {
+    expect_list(places);
+    if (places.value.size() > kMaxPoints) places.fail(fmt::format("has more than {} key points", kMaxPoints));
+    expect_array(scores, places.value.size());
+    std::vector<KeyPoint> points;
+    for (size_t i = 0; i < places.value.size(); ++i) {
+        expect_list(places[i]);
+        if (places[i].value.size() < 2) places[i].fail("is no place [x, y]");
+        points.push_back(read_point(places[i][size_t{0}], places[i][size_t{1}], scores[i]));
+    }
+    return points;
+}
+
+bool has(const JsonNode& node, const char* member) {
+    return node.value.is_object() && node.value.contains(member);
+}
+
+std::vector<KeyPoint> read_person(const JsonNode& node) {
+    if (has(node, "keypoint_scores")) return read_paired_points(node["keypoints"], node["keypoint_scores"]);
+    return read_flat_points(node[has(node, "keypoints") ? "keypoints" : "pose_keypoints_2d"]);
+}
+
+double confidence_of(const std::vector<KeyPoint>& points) {
+    double sum = 0;
+    for (const KeyPoint& point : points) sum += point.confidence;
+    return sum;
+}
+
+// Adds a person to an image, whose most confident one counts. Some detectors leave empty lists where nobody was seen.
+void add_person(const JsonNode& node, ImagePeople& image) {
+    std::vector<KeyPoint> points = read_person(node);
+    if (points.empty()) return;
+    if (++image.people > kMaxPeople) node.fail("is beyond 1000 people");
+    if (!find_key_point_layout(points.size()))
+        node.fail(fmt::format("has {} key points", points.size()),
+                  "use a detector of one of these sets: " + key_point_layouts());
+    if (image.points.empty() || confidence_of(points) > confidence_of(image.points)) image.points = std::move(points);
+}
+
+ImagePeople people_of(const JsonNode& list, std::string name) {
+    if (!list.value.is_array()) list.fail_type("a list");
+    ImagePeople image{std::move(name), {}, 0};
+    for (size_t i = 0; i < list.value.size(); ++i) add_person(list[i], image);
+    return image;
+}
+
+// The people of a video's frames, as MMPose writes them.
+std::vector<ImagePeople> people_of_frames(const JsonNode& frames) {
+    if (!frames.value.is_array()) frames.fail_type("a list");
+    std::vector<ImagePeople> images;
+    for (size_t i = 0; i < frames.value.size(); ++i) {
+        const uint64_t number = json_count(frames[i]["frame_id"], uint64_t{1} << 40);
+        images.push_back(people_of(frames[i]["instances"], std::to_string(number)));
+    }
+    return images;
+}
+
+// AlphaPose's list of all people of all images.
+std::vector<ImagePeople> people_by_image(const JsonNode& list) {
+    std::vector<ImagePeople> images;
+    for (size_t i = 0; i < list.value.size(); ++i) {
+        const JsonNode id = list[i]["image_id"];
+        if (!id.value.is_string() && !id.value.is_number_unsigned()) id.fail("is no image's name");
+        const std::string name = id.value.is_string()
+                                     ? std::filesystem::path(id.value.get<std::string>()).stem().string()
+                                     : std::to_string(id.value.get<uint64_t>());
+        // People of one image stand together.
+        if (images.empty() || images.back().image != name) images.push_back({name, {}, 0});
+        add_person(list[i], images.back());
+    }
+    return images;
+}
+
+KeyPoint joint_point(const std::vector<KeyPoint>& points, std::array<int, 2> sources) {
     if (sources[0] < 0) return {};
-    const KeyPoint& a = person.points[static_cast<size_t>(sources[0])];
-    const KeyPoint& b = person.points[static_cast<size_t>(sources[1])];
+    const KeyPoint& a = points[static_cast<size_t>(sources[0])];
+    const KeyPoint& b = points[static_cast<size_t>(sources[1])];
     return {0.5 * (a.pixel + b.pixel), std::min(a.confidence, b.confidence)};
 }
 
-// What a folder contains, by name. Throws InputError where it cannot be read.
-std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder) {
-    std::vector<std::filesystem::directory_entry> entries;
-    std::error_code error;
-    for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
-        entries.push_back(*at);
-    if (error) throw InputError(folder.string(), "", "cannot be read: " + error.message());
-    std::ranges::sort(entries);
-    return entries;
-}
-
-// The number that a name ends with, or 0.
-size_t last_number(const std::string& name) {
-    size_t end = name.size();
-    while (end > 0 && !std::isdigit(static_cast<unsigned char>(name[end - 1]))) --end;
-    size_t begin = end;
-    while (begin > 0 && std::isdigit(static_cast<unsigned char>(name[begin - 1]))) --begin;
-    size_t number = 0;
-    std::from_chars(name.data() + begin, name.data() + end, number);
-    return number;
-}
-
-// The files of a folder that end with .json, by the numbers that their names end with: f9 before f10.
-std::vector<std::filesystem::path> json_files(const std::filesystem::path& folder) {
-    std::vector<std::filesystem::path> files;
-    std::error_code ignored;
-    for (const auto& entry : entries_of(folder))
-        if (entry.path().extension() == ".json" && entry.is_regular_file(ignored)) files.push_back(entry.path());
-    std::ranges::stable_sort(files, {}, [](const auto& file) { return last_number(file.stem().string()); });
-    return files;
-}
-
-std::string image_of(const std::filesystem::path& file) {
-    std::string name = file.stem().string();
-    if (name.ends_with(kKeyPointEnding)) name.resize(name.size() - kKeyPointEnding.size());
-    return name;
-}
-
-// Throws InputError where two images have one name.
-std::map<std::string, size_t> images_by_name(const std::filesystem::path& folder, std::span<const WantedImage> images) {
-    std::map<std::string, size_t> by_name;
-    for (size_t i = 0; i < images.size(); ++i)
-        if (!by_name.emplace(images[i].image, i).second)
-            throw InputError(folder.string(), "",
-                             fmt::format("images of several cameras are called \"{}\"", images[i].image),
-                             "give a folder for each camera: CAMERA_json");
-    return by_name;
-}
-
-// The file of each wanted image, in a folder of them all.
-std::vector<std::filesystem::path> flat_files(const std::filesystem::path& folder,
-                                              std::span<const WantedImage> images) {
-    const std::map<std::string, size_t> by_name = images_by_name(folder, images);
-    std::vector<std::filesystem::path> found(images.size());
-    for (const std::filesystem::path& file : json_files(folder)) {
-        const auto image = by_name.find(image_of(file));
-        if (image == by_name.end())
-            throw InputError(file.string(), "", "belongs to no image of these cameras",
-                             "remove it, or name it like its image");
-        found[image->second] = file;
+// How far a key point is from the middle of two others, as a share of the body's size in the image; nothing where one
+// of them was not seen.
+std::optional<double> off_middle(const std::vector<KeyPoint>& points, size_t middle, size_t one, size_t other) {
+    glm::dvec2 low(kMaxPixel), high(-kMaxPixel);
+    for (const KeyPoint& point : points) {
+        if (!(point.confidence > 0)) continue;
+        low = glm::min(low, point.pixel);
+        high = glm::max(high, point.pixel);
     }
-    return found;
+    for (const size_t i : {middle, one, other})
+        if (!(points[i].confidence > 0)) return std::nullopt;
+    const double size = glm::distance(low, high);
+    if (!(size > 0)) return std::nullopt;
+    return glm::distance(points[middle].pixel, 0.5 * (points[one].pixel + points[other].pixel)) / size;
 }
 
-// The images of each camera, in order of their frames.
-std::map<std::string, std::vector<size_t>> images_by_camera(std::span<const WantedImage> images) {
-    std::map<std::string, std::vector<size_t>> cameras;
-    for (size_t i = 0; i < images.size(); ++i) cameras[images[i].camera].push_back(i);
-    for (auto& [camera, list] : cameras) std::ranges::sort(list, {}, [&](size_t i) { return images[i].frame; });
-    return cameras;
-}
-
-// The file of each wanted image, in a folder for each camera.
-std::vector<std::filesystem::path> files_by_camera(const std::filesystem::path& folder,
-                                                   std::span<const WantedImage> images) {
-    const std::map<std::string, std::vector<size_t>> cameras = images_by_camera(images);
-    std::vector<std::filesystem::path> found(images.size());
-    std::map<std::string, std::filesystem::path> folders;
-    std::error_code ignored;
-    for (const auto& entry : entries_of(folder)) {
-        if (!entry.is_directory(ignored)) continue;
-        std::string name = entry.path().filename().string();
-        if (name.ends_with("_json")) name.resize(name.size() - 5);
-        const auto camera = cameras.find(name);
-        if (camera == cameras.end())
-            throw InputError(entry.path().string(), "", "belongs to none of these cameras",
-                             fmt::format("remove it, or name it like its camera: {}_json", cameras.begin()->first));
-        if (const auto [other, added] = folders.emplace(name, entry.path()); !added)
-            throw InputError(entry.path().string(), "", "is of the same camera as " + other->second.string(),
-                             "remove one of them");
-        const std::vector<std::filesystem::path> files = json_files(entry.path());
-        if (files.size() > camera->second.size())
-            throw InputError(entry.path().string(), "",
-                             fmt::format("has {} frames, but the camera has {}", files.size(), camera->second.size()),
-                             "detect key points in the images of these cameras alone");
-        for (size_t i = 0; i < files.size(); ++i) found[camera->second[i]] = files[i];
+// BODY_25 and BODY_25B have 25 points each. In the former the pelvis is the middle of the hips, which in the latter is
+// an elbow between a wrist and a hip; there, the nose is between eyes and ears, and the neck between the shoulders.
+bool is_body_25b(std::span<const ImagePeople> images) {
+    constexpr double kApart = 0.1, kTogether = 0.08;
+    std::vector<double> pelvis_off, head_off;
+    for (const ImagePeople& image : images) {
+        if (image.points.size() != body_25b().points) continue;
+        if (const auto off = off_middle(image.points, 8, 9, 12)) pelvis_off.push_back(*off);
+        const auto most = std::max(
+            {off_middle(image.points, 0, 1, 2), off_middle(image.points, 0, 3, 4), off_middle(image.points, 17, 5, 6)});
+        if (most) head_off.push_back(*most);
     }
-    return found;
+    return median(pelvis_off) > kApart && !head_off.empty() && median(head_off) < kTogether;
 }
 
 }  // namespace
 
-DetectedImage read_key_points(const std::filesystem::path& file) {
-    const JsonFile json = read_json(file, "key points of a detector");
-    const JsonNode people = json.root()["people"];
-    if (!people.value.is_array()) people.fail_type("a list");
-    if (people.value.size() > kMaxPeople) people.fail("has more than 1000 people");
-    DetectedImage image;
-    image.people = people.value.size();
-    double best = -1;
-    for (size_t i = 0; i < people.value.size(); ++i) {
-        const Person person = read_person(people[i]);
-        const KeyPointLayout* layout = find_key_point_layout(person.points.size());
-        if (!layout)
-            people[i].fail(fmt::format("has {} key points", person.points.size()),
-                           "use a detector of one of these sets: " + key_point_layouts());
-        if (person.confidence <= best) continue;
-        best = person.confidence;
-        image.layout = layout;
-        for (size_t j = 0; j < kJoints; ++j) image.points[j] = joint_point(person, layout->sources[j]);
-    }
-    return image;
+std::string image_of_key_points(const std::filesystem::path& file) {
+    std::string name = file.stem().string();
+    const std::string ending = kKeyPointEnding;
+    if (name.ends_with(ending)) name.resize(name.size() - ending.size());
+    for (const std::string type : {".png", ".jpg", ".jpeg"})
+        if (name.size() > type.size() && lower_case(name).ends_with(type)) name.resize(name.size() - type.size());
+    return name;
 }
 
-void read_detections(const std::filesystem::path& folder, std::span<const WantedImage> images, Detections& detections) {
-    std::error_code ignored;
-    if (!std::filesystem::is_directory(folder, ignored))
-        throw InputError(folder.string(), "", "is no folder of key points",
-                         "run a detector on the images and write its JSON there");
-    const bool flat = !json_files(folder).empty();
-    const std::vector<std::filesystem::path> files =
-        flat ? flat_files(folder, images) : files_by_camera(folder, images);
-    detections.points.assign(detections.frames * detections.cameras.size(), {});
-    const KeyPointLayout* layout = nullptr;
-    for (size_t i = 0; i < images.size(); ++i) {
-        if (files[i].empty()) continue;
-        const DetectedImage image = read_key_points(files[i]);
-        detections.images_with_others += image.people > 1;
-        if (!image.layout) continue;
-        if (layout && layout != image.layout)
-            throw InputError(files[i].string(), "",
-                             fmt::format("is of the set {}, others are of {}", image.layout->name, layout->name),
-                             "use one detector for all images");
-        layout = image.layout;
-        detections.in(images[i].frame, images[i].camera_index) = image.points;
-    }
-    if (!layout)
-        throw InputError(folder.string(), "", "has no key points of these images",
-                         "name files like the images: c00_f000_keypoints.json");
-    for (size_t j = 0; j < kJoints; ++j) {
-        detections.lacking[j] = layout->sources[j][0] < 0;
-    }
+KeyPointFile read_key_points(const std::filesystem::path& file) {
+    const JsonFile json = read_json_value(file);
+    const JsonNode root = json.root();
+    if (!root.value.is_object() && !root.value.is_array())
+        root.fail("is neither a JSON object nor a list", "give key points of a detector");
+    if (has(root, "instance_info")) return {people_of_frames(root["instance_info"]), true};
+    if (!root.value.is_array()) return {{people_of(root["people"], image_of_key_points(file))}, false};
+    if (!root.value.empty() && has(root[size_t{0}], "image_id")) return {people_by_image(root), true};
+    if (!root.value.empty() && has(root[size_t{0}], "instances")) return {people_of_frames(root), true};
+    return {{people_of(root, image_of_key_points(file))}, false};
 }
 
-std::vector<std::filesystem::path> key_point_files(const std::filesystem::path& folder,
-                                                   std::span<const WantedImage> images) {
-    images_by_name(folder, images);
-    std::vector<std::filesystem::path> files;
-    for (const WantedImage& image : images) files.push_back(folder / (image.image + kKeyPointEnding + ".json"));
-    return files;
+const KeyPointLayout* layout_of(std::span<const ImagePeople> images) {
+    const auto seen = std::ranges::find_if(images, [](const ImagePeople& image) { return !image.points.empty(); });
+    if (seen == images.end()) return nullptr;
+    const KeyPointLayout* layout = find_key_point_layout(seen->points.size());
+    const KeyPointLayout& other = body_25b();
+    return layout->points == other.points && is_body_25b(images) ? &other : layout;
+}
+
+KeyPoints joints_of(const std::vector<KeyPoint>& points, const KeyPointLayout& layout) {
+    KeyPoints joints;
+    for (size_t j = 0; j < kJoints; ++j) joints[j] = joint_point(points, layout.sources[j]);
+    return joints;
 }
 
 void write_person(const std::filesystem::path& file, std::span<const KeyPoint> points) {

@@ -10,6 +10,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -125,9 +126,14 @@ motion::SkeletonClip read_motion(const fs::path& file) {
         if (const auto poses = body.take(file.string())) clip.frames[0] = poses->newest;
         return clip;
     }
-    const motion::DetectedImage image = motion::read_key_points(file);
-    for (size_t j = 0; j < motion::kJoints; ++j)
-        clip.frames[0][j] = {{image.points[j].pixel, 0}, image.points[j].confidence, true};
+    const motion::KeyPointFile read = motion::read_key_points(file);
+    const motion::KeyPointLayout* const layout = motion::layout_of(read.images);
+    if (!layout) return clip;
+    const motion::ImagePeople& image =
+        *std::ranges::find_if(read.images, [](auto& one) { return !one.points.empty(); });
+    if (image.points.size() != layout->points) return clip;
+    const motion::KeyPoints joints = motion::joints_of(image.points, *layout);
+    for (size_t j = 0; j < motion::kJoints; ++j) clip.frames[0][j] = {{joints[j].pixel, 0}, joints[j].confidence, true};
     return clip;
 }
 

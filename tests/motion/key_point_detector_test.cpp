@@ -108,7 +108,7 @@ TEST_F(KeyPointDetectorTest, RefusesWhatItCannotRun) {
         const auto file = written(model);
         expect_input_error([&] { KeyPointDetector(file, PixelScale::kUnit); }, parts);
     };
-    refuse({.key_points = 18}, {"1×18×96×72", "18 key points", "COCO-17"});
+    refuse({.key_points = 20}, {"1×20×96×72", "20 key points", "COCO-17"});
     refuse({.input = {1, 3, 0, 192}}, {"graph.input", "1×3×0×192", "fixed size"});
     refuse({.input = {1, 4, 256, 192}}, {"1×4×256×192"});
     refuse({.input = {2, 3, 256, 192}}, {"2×3×256×192"});

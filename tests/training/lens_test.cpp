@@ -38,6 +38,21 @@ void expect_projections(const training::Lens& lens, const double (&expected)[3][
     EXPECT_EQ(training::project(lens, {0, 0}), glm::dvec2(320, 240));
 }
 
+// The direction that is shown at a pixel is the one that is projected there.
+TEST(Lens, DirectionsAreThoseThatAreProjected) {
+    using training::LensModel;
+    for (const training::Lens& lens :
+         {make_lens(LensModel::kPinhole, {}), make_lens(LensModel::kBrown, {-0.12, 0.03, 0.002}, 0.001, -0.002),
+          make_lens(LensModel::kFisheye, {-0.12, 0.03, 0.002})})
+        for (const auto& [x, y] : kPlaces) {
+            const auto found = training::direction_at(lens, training::project(lens, {x, y}));
+            ASSERT_TRUE(found);
+            EXPECT_LT(glm::distance(*found, glm::dvec2(x, y)), 1e-8);
+        }
+    EXPECT_FALSE(training::direction_at(make_lens(LensModel::kBrown, {-0.5}), {2000, 240}))
+        << "beyond where the lens folds over";
+}
+
 TEST(Lens, Pinhole) {
     const training::Lens lens = make_lens(training::LensModel::kPinhole, {});
     expect_projections(lens, {{470, 144}, {70, 432}, {320, 528}});
