@@ -80,12 +80,21 @@ void run_views(ViewsOptions& options, const CommonOptions& common) {
 }
 
 struct ImportOptions {
-    std::string input, output, animation;
+    std::string input, output, up, unit;
+    motion::SkeletonReading reading;
 };
 
-void run_import(const ImportOptions& options) {
+constexpr std::pair<const char*, double> kUnits[] = {
+    {"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}};
+
+void run_import(ImportOptions& options) {
     prepare_result("--output", options.output, {".glb"});
-    const motion::SkeletonClip clip = motion::read_skeleton(options.input, options.animation);
+    const auto axis = std::ranges::find(motion::kAxisNames, options.up);
+    if (axis != motion::kAxisNames.end())
+        options.reading.up = static_cast<motion::Axis>(axis - motion::kAxisNames.begin());
+    for (const auto& [name, metres] : kUnits)
+        if (options.unit == name) options.reading.unit_m = metres;
+    const motion::SkeletonClip clip = read_motion(options.input, options.reading);
     motion::write_skeleton(options.output, clip);
     size_t measured = 0;
     for (const motion::JointSample& sample : clip.frames[0]) measured += sample.measured;
@@ -103,7 +112,7 @@ void run_export(const BvhOptions& options) {
         throw InputError("--output", options.output, "does not end with .bvh",
                          "name it so; a .skeleton.glb, which `neuvv skeleton import` writes, is animated glTF itself");
     prepare_result("--output", options.output);
-    const motion::SkeletonClip clip = motion::read_skeleton(options.input, options.animation);
+    const motion::SkeletonClip clip = read_motion(options.input, {.animation = options.animation});
     motion::write_bvh(options.output, clip, options.unit == "cm" ? 100 : 1);
     fmt::print("{}: {} frames at {:.6g} a second, in {}\n", options.output, clip.frames.size(), clip.fps,
                options.unit == "cm" ? "centimetres" : "metres");
@@ -138,8 +147,8 @@ void run_show(const ShowOptions& options, const CommonOptions& common) {
     const media::ImageOutput output = media::parse_output(options.output);
     if (output.exr) throw InputError("--output", options.output, "is not for linear images", "write .mp4 or .png");
     const voctree::VOctree clip = voctree::read_clip(options.clip);
-    const motion::SkeletonClip skeleton = motion::read_skeleton(
-        options.skeleton.empty() ? motion::skeleton_beside(options.clip) : std::filesystem::path(options.skeleton));
+    const motion::SkeletonClip skeleton =
+        read_motion(options.skeleton.empty() ? motion::skeleton_beside(options.clip).string() : options.skeleton);
     const media::ImageSize size = parse_size(options.size);
     const double fps = clip.fps > 0 ? static_cast<double>(clip.fps) : 25;
     const Playback playback{parse_frame_range(options.frames, clip.frames), fps, fps};
@@ -189,12 +198,22 @@ void add_views(Command group, CommonOptions& common) {
 void add_import(Command group) {
     Command verb = group.add_verb("import", "Read the motion of another program");
     const auto options = std::make_shared<ImportOptions>();
-    verb.add_option("FILE", options->input, "an animated humanoid .glb or .gltf, a .bvh or a .trc").required();
+    verb.add_option("FILE", options->input, "an animated humanoid .glb, .gltf, .vrm or .vrma, a .bvh or a .trc")
+        .required();
     verb.add_option("-o,--output", options->output, "the skeleton, .skeleton.glb").required();
-    verb.add_option("--animation", options->animation, "of a glTF file, its name or index; default: the first");
+    verb.add_option("--animation", options->reading.animation, "of a glTF file, its name or index; default: the first");
+    verb.add_option("--up", options->up, "the file's axis that is up; default: y in glTF, else as the body stands")
+        .one_of({motion::kAxisNames.begin(), motion::kAxisNames.end()});
+    Option unit = verb.add_option("--unit", options->unit,
+                                  "of lengths in the file; default: what it says, of a BVH by the body's height")
+                      .one_of({"m", "cm", "mm", "in", "ft"});
+    verb.add_option("--height", options->reading.height_m, "of the body, metres: lengths are scaled to it")
+        .number_between(0.1, 10)
+        .excludes(unit);
     verb.footer(
-        {"\nExample (from the repository's root):\n"
-         "  neuvv skeleton import tools/performer/performer.glb -o work/performer.skeleton.glb"});
+        {"\nExamples (from the repository's root):\n"
+         "  neuvv skeleton import tools/performer/performer.glb -o work/performer.skeleton.glb\n"
+         "  neuvv skeleton import work/take.bvh --up z --height 1.24 -o work/take.skeleton.glb"});
     verb.callback([options] { run_import(*options); });
 }
 
@@ -230,6 +249,12 @@ void add_show(Command group, CommonOptions& common) {
 }
 
 }  // namespace
+
+motion::SkeletonClip read_motion(const std::string& file, const motion::SkeletonReading& reading) {
+    motion::SkeletonClip clip = motion::read_skeleton(file, reading);
+    for (const std::string& note : clip.notes) say("{}\n", note);
+    return clip;
+}
 
 void add_skeleton(Command app, CommonOptions& common) {
     Command group = app.add_verb("skeleton", "Find, import, export, show and compare where a performer's joints are");

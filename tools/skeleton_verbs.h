@@ -4,6 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "motion/compare.h"
+#include "motion/skeleton_file.h"
 #include "tools/commands.h"
 
 namespace neuvv::tools {
@@ -11,6 +12,9 @@ namespace neuvv::tools {
 void add_skeleton_extract(Command group);
 void add_skeleton_compare(Command group);
 void add_skeleton_follow(Command group);
+
+// Reads a skeleton, and says on stderr what the reader chose or found odd.
+motion::SkeletonClip read_motion(const std::string& file, const motion::SkeletonReading& reading = {});
 
 // The limbs that are compared, without those of a list "head,left arm". Throws InputError.
 std::vector<bool> counted_limbs(const std::string& left_out);

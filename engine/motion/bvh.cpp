@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "base/text.h"
 #include "motion/humanoid.h"
 #include "motion/skeleton_file.h"
 #include "motion/words.h"
@@ -43,8 +44,21 @@ Channel read_channel(Words& words) {
     constexpr const char* kNames[] = {"Xposition", "Yposition", "Zposition", "Xrotation", "Yrotation", "Zrotation"};
     const std::string name = words.next();
     for (size_t i = 0; i < std::size(kNames); ++i)
-        if (name == kNames[i]) return static_cast<Channel>(i);
+        if (lower_case(name) == lower_case(kNames[i])) return static_cast<Channel>(i);
     words.fail(fmt::format("\"{}\" is no channel", name));
+}
+
+// A joint's name, which may have spaces, and the brace behind it.
+std::string read_name(Words& words) {
+    std::string name;
+    while (true) {
+        std::string word = words.next();
+        if (lower_case(word) == "offset" || word == "}") words.fail(fmt::format("\"{}\" stands where {{ should", word));
+        const bool ends = word.ends_with('{');
+        if (ends) word.pop_back();
+        if (!word.empty()) name += (name.empty() ? "" : " ") + word;
+        if (ends) return name;
+    }
 }
 
 BvhHierarchy read_hierarchy(Words& words) {
@@ -53,18 +67,16 @@ BvhHierarchy read_hierarchy(Words& words) {
     words.expect("ROOT");
     std::vector<int32_t> open;  // joints whose braces are open
     for (bool first = true; first || !open.empty(); first = false) {
-        const std::string kind = first ? "JOINT" : words.next();
+        const std::string kind = first ? "joint" : lower_case(words.next());
         if (kind == "}") {
             open.pop_back();
-        } else if (kind == "End") {  // the end of a limb, which is no joint
-            words.expect("Site");
-            words.expect("{");
+        } else if (kind == "end") {  // the end of a limb, which is no joint
+            read_name(words);
             read_offset(words);
             words.expect("}");
-        } else if (kind == "JOINT") {
+        } else if (kind == "joint") {
             if (hierarchy.joints.size() == kMaxBvhJoints) words.fail("has more than 1000 joints");
-            BvhJoint joint{words.next(), open.empty() ? -1 : open.back(), glm::dvec3(0), {}};
-            words.expect("{");
+            BvhJoint joint{read_name(words), open.empty() ? -1 : open.back(), glm::dvec3(0), {}};
             joint.offset = read_offset(words);
             words.expect("CHANNELS");
             const auto count = static_cast<size_t>(words.number(0, kMaxBvhChannels));
@@ -121,17 +133,9 @@ std::vector<RestBone> bones_at_rest(const BvhHierarchy& hierarchy) {
     return bones;
 }
 
-// BVH has no unit. Of metres, centimetres, inches and millimetres, the one in which the body is nearest to 1.7 m tall.
-double metres_per_unit(double height) {
-    double best = 1;
-    for (const double unit : {1.0, 0.01, 0.0254, 0.001})
-        if (std::abs(std::log(height * unit / 1.7)) < std::abs(std::log(height * best / 1.7))) best = unit;
-    return best;
-}
-
 }  // namespace
 
-SkeletonClip read_bvh(const std::filesystem::path& file) {
+FileMotion read_bvh(const std::filesystem::path& file) {
     Words words(file);
     const BvhHierarchy hierarchy = read_hierarchy(words);
     words.expect("MOTION");
@@ -152,12 +156,7 @@ SkeletonClip read_bvh(const std::filesystem::path& file) {
         for (double& value : values) value = words.number(-kMaxOffset, kMaxOffset);
         clip.frames.push_back(pose_of(sources, world_transforms(hierarchy, values)));
     }
-    const double height = body_height(bone_lengths(clip));
-    if (!(height > 0)) throw InputError(file.string(), "", "has a body without height", "export its offsets");
-    const double unit = metres_per_unit(height);
-    for (Pose& pose : clip.frames)
-        for (JointSample& sample : pose) sample.position *= unit;
-    return clip;
+    return {std::move(clip), 0, false};
 }
 
 }  // namespace neuvv::motion

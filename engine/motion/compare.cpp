@@ -19,6 +19,9 @@ constexpr double kSteady_s = 0.3;    // peaks of half of this are noise
 constexpr double kGap_s = 0.4;       // within which a mistake goes on
 constexpr double kMirrorGain = 0.5;  // a turn is mirrored where the mirrored facing leaves less than this of the error
 
+constexpr double kLeastTurn_deg = 1;  // of some bone, in a motion
+constexpr double kLeastKnown = 0.1;   // of the frames: limbs that are known in fewer are not compared
+
 struct Span {
     size_t first = 0, last = 0;  // frames of the trainee
     size_t beyond = 0;           // how many of them are beyond the tolerance
@@ -30,10 +33,17 @@ class Comparer {
         : options_(options), trainer_(motion_of(trainer)), trainee_(motion_of(resampled(trainee, trainer.fps))) {
         if (std::ranges::find(options.counted, true) == options.counted.end())
             throw InputError("compare", "--leave-out", "leaves no limb to compare", "name fewer limbs");
+        // The direction in which the trainee stands would make up for it, and hide it in motions that are symmetric.
+        if (faces_backwards(trainer) != faces_backwards(trainee))
+            throw InputError("compare", faces_backwards(trainer) ? "TRAINER" : "TRAINEE",
+                             "has left and right exchanged: knees, feet or nose point backwards",
+                             "exchange them where the motion was made");
     }
 
     Comparison run() {
         result_.fps = trainer_.fps;
+        expect_motion(counted(trainer_), "TRAINER");
+        expect_motion(counted_motion(), "TRAINEE");
         // Limbs say when, that says how the trainee stands turned, and with that the trunk helps to say when.
         result_.trainer_frame = warp(trainer_, counted_motion(), options_.band_s, true).frames;
         face_the_trainer();
@@ -53,9 +63,27 @@ class Comparer {
     Matched matched() const { return {trainer_, result_.trainer_frame, trainee_.frames}; }
     Directions trainer_at(size_t frame) const { return matched().trainer_at(frame); }
 
-    // The trainee without the limbs that do not count.
-    Motion counted_motion() const {
-        Motion motion = trainee_;
+    // A pose that is held is no motion: any time of it matches any other.
+    static void expect_motion(const Motion& motion, const char* whose) {
+        Directions first{};
+        bool known = false;
+        for (const Directions& directions : motion.frames)
+            for (size_t b = 0; b < kComparedBones; ++b) {
+                if (!(directions[b].weight > 0)) continue;
+                known = true;
+                if (!(first[b].weight > 0)) first[b] = directions[b];
+                if (glm::dot(first[b].direction, directions[b].direction) < std::cos(glm::radians(kLeastTurn_deg)))
+                    return;
+            }
+        if (known)
+            throw InputError("compare", whose, "holds one pose: there is no motion to compare",
+                             "export the file with its motion");
+    }
+
+    Motion counted_motion() const { return counted(trainee_); }
+
+    // Without the limbs that do not count.
+    Motion counted(Motion motion) const {
         for (Directions& directions : motion.frames)
             for (size_t b = 0; b < kComparedBones; ++b)
                 if (!options_.counted[index_of(limb_of_bone(b))]) directions[b].weight = 0;
@@ -76,13 +104,28 @@ class Comparer {
     }
 
     void measure() {
-        bool known = false;
+        std::array<double, kLimbs> known{};  // frames
         for (size_t i = 0; i < frames(); ++i) {
             result_.errors.push_back(limb_errors(trainer_at(i), trainee_.frames[i]));
-            for (const double error : result_.errors.back()) known |= error >= 0;
+            for (size_t limb = 0; limb < kLimbs; ++limb) known[limb] += result_.errors.back()[limb] >= 0;
         }
-        if (!known)
-            throw InputError("compare", "", "trainer and trainee have no limb that is measured in both",
+        const auto is_compared = [&](size_t limb) {
+            return known[limb] > 0 && known[limb] >= kLeastKnown * static_cast<double>(frames());
+        };
+        bool any = false, arms_or_legs = false, wanted = false;
+        for (size_t limb = 0; limb < kLimbs; ++limb) {
+            const bool is_end = limb != index_of(Limb::kTrunk) && limb != index_of(Limb::kHead);
+            any |= is_compared(limb);
+            arms_or_legs |= is_end && is_compared(limb);
+            wanted |= is_end && options_.counted[limb];
+            if (is_compared(limb)) continue;
+            for (LimbErrors& errors : result_.errors) errors[limb] = -1;
+        }
+        // Trunks of any two motions agree, and say nothing of what arms and legs do.
+        if (!any || (wanted && !arms_or_legs))
+            throw InputError("compare", "",
+                             any ? "trainer and trainee have no arm and no leg that is measured in both"
+                                 : "trainer and trainee have no limb that is measured in both",
                              "neuvv skeleton import prints how many joints of a file are measured");
     }
 

@@ -1,122 +1,20 @@
 #include "motion/humanoid.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cctype>
 #include <optional>
 
 #include "base/error.h"
+#include "motion/bone_names.h"
 
 namespace neuvv::motion {
 
 namespace {
 
-enum class Side : uint8_t { kNone, kRight, kLeft };
-
-// Bones that a humanoid has, with what programs call them: lower case, without side, separators and prefix.
-struct BoneNames {
-    const char* title;
+FoundBones bones_of(std::span<const RestBone> rest, const std::string& file) {
     std::vector<std::string> names;
-    bool sided;
-    bool needed;
-};
-enum BoneKind : uint8_t {
-    kHeadBone,
-    kUpperArm,
-    kForearm,
-    kHand,
-    kThigh,
-    kShin,
-    kFoot,
-    kToes,
-    kNose,
-    kHeel,
-    kBigToe,
-    kSmallToe,
-    kBoneKinds
-};
-
-const std::array<BoneNames, kBoneKinds>& bone_names() {
-    static const std::array<BoneNames, kBoneKinds> names = {{
-        {"head", {"head"}, false, true},
-        {"upper arm", {"upperarm", "arm", "shldr", "uparm", "shoulder"}, true, true},
-        {"forearm", {"forearm", "lowerarm", "lowarm", "elbow"}, true, true},
-        {"hand", {"hand", "wrist"}, true, true},
-        {"thigh", {"thigh", "upleg", "upperleg", "hip"}, true, true},
-        {"shin", {"shin", "leg", "lowerleg", "calf", "lowleg", "knee"}, true, true},
-        {"foot", {"foot", "ankle"}, true, true},
-        {"toes", {"toes", "toebase", "toe", "ball"}, true, false},
-        {"nose", {"nose"}, false, false},
-        {"heel", {"heel"}, true, false},
-        {"big toe", {"bigtoe"}, true, false},
-        {"small toe", {"smalltoe"}, true, false},
-    }};
-    return names;
-}
-
-struct PlainName {
-    std::string name;
-    Side side = Side::kNone;
-};
-
-// The words of a name, in lower case: "J_Bip_L_UpperArm", "lForeArm" and "LeftForeArm" → j bip l upper arm, l fore arm,
-// left fore arm. What stands before a colon or a bar is the name of the skeleton.
-std::vector<std::string> words_of(const std::string& name) {
-    std::vector<std::string> words(1);
-    for (size_t i = name.find_last_of(":|") + 1; i < name.size(); ++i) {
-        const auto c = static_cast<unsigned char>(name[i]);
-        const bool begins = std::isupper(c) && i > 0 && std::islower(static_cast<unsigned char>(name[i - 1]));
-        if ((begins || !std::isalpha(c)) && !words.back().empty()) words.emplace_back();
-        if (std::isalpha(c)) words.back() += static_cast<char>(std::tolower(c));
-    }
-    return words;
-}
-
-// The name without the words that say which side or skeleton it belongs to.
-PlainName plain(const std::string& full) {
-    PlainName plain;
-    for (const std::string& word : words_of(full)) {
-        const bool left = word == "l" || word == "left", right = word == "r" || word == "right";
-        if ((left || right) && plain.side == Side::kNone)
-            plain.side = left ? Side::kLeft : Side::kRight;
-        else if (word != "j" && word != "bip" && word != "c" && word != "mixamorig")
-            plain.name += word;
-    }
-    return plain;
-}
-
-struct Found {
-    // By BoneKind: of the middle or the right, and of the left.
-    std::array<std::array<std::optional<size_t>, 2>, kBoneKinds> bones;
-
-    size_t of(BoneKind kind, Side side = Side::kNone) const { return *bones[kind][side == Side::kLeft]; }
-    bool has(BoneKind kind, Side side) const { return bones[kind][side == Side::kLeft].has_value(); }
-};
-
-Found find_bones(std::span<const RestBone> rest, const std::string& file) {
-    std::vector<PlainName> plain_names;
-    for (const RestBone& bone : rest) plain_names.push_back(plain(bone.name));
-    Found found;
-    std::string missing;
-    for (size_t kind = 0; kind < kBoneKinds; ++kind) {
-        const BoneNames& wanted = bone_names()[kind];
-        for (const Side side : {Side::kRight, Side::kLeft}) {
-            if (!wanted.sided && side == Side::kLeft) continue;
-            std::optional<size_t>& bone = found.bones[kind][side == Side::kLeft];
-            for (const std::string& name : wanted.names)
-                for (size_t i = 0; i < rest.size() && !bone; ++i)
-                    if (plain_names[i].name == name && plain_names[i].side == (wanted.sided ? side : Side::kNone))
-                        bone = i;
-            if (!bone && wanted.needed)
-                missing += fmt::format("{}{}{}", missing.empty() ? "" : ", ",
-                                       !wanted.sided          ? ""
-                                       : side == Side::kRight ? "right "
-                                                              : "left ",
-                                       wanted.title);
-        }
-    }
-    if (!missing.empty())
+    for (const RestBone& bone : rest) names.push_back(bone.name);
+    const FoundBones found = find_bones(names);
+    if (const std::string missing = found.missing(); !missing.empty())
         throw InputError(file, "", "has no bones of these names: " + missing,
                          "name them as VRM does (hips, head, leftUpperArm, leftLowerArm, leftHand, leftUpperLeg, "
                          "leftLowerLeg, leftFoot)");
@@ -131,7 +29,7 @@ struct BodyFrame {
 
 class Finder {
   public:
-    Finder(std::span<const RestBone> rest, const std::string& file) : rest_(rest), found_(find_bones(rest, file)) {
+    Finder(std::span<const RestBone> rest, const std::string& file) : rest_(rest), found_(bones_of(rest, file)) {
         const glm::dvec3 hips = 0.5 * (origin(kThigh, Side::kLeft) + origin(kThigh, Side::kRight));
         const glm::dvec3 shoulders = 0.5 * (origin(kUpperArm, Side::kLeft) + origin(kUpperArm, Side::kRight));
         const glm::dvec3 across = origin(kThigh, Side::kLeft) - origin(kThigh, Side::kRight);
@@ -153,7 +51,8 @@ class Finder {
         };
         set(Joint::kPelvis, {bone_point(kThigh, Side::kRight), bone_point(kThigh, Side::kLeft)}, true);
         set(Joint::kNeck, {bone_point(kUpperArm, Side::kRight), bone_point(kUpperArm, Side::kLeft)}, true);
-        const auto nose = first_of(extreme(kHeadBone, Side::kNone, frame_.forward), kNose, Side::kNone);
+        const auto skin = found_.has(kHeadBone) ? extreme(kHeadBone, Side::kNone, frame_.forward) : std::nullopt;
+        const auto nose = first_of(skin, kNoseBone, Side::kNone);
         set(Joint::kNose, {nose ? *nose : beside(kHeadBone, Side::kNone, 0, 0.08, 0.13)}, nose.has_value());
         for (const Side side : {Side::kRight, Side::kLeft}) add_side(all, side);
         return all;
@@ -215,7 +114,7 @@ class Finder {
     }
 
     std::span<const RestBone> rest_;
-    Found found_;
+    FoundBones found_;
     BodyFrame frame_;
 };
 

@@ -29,10 +29,9 @@ struct JointSource {
 };
 using JointSources = std::array<JointSource, kJoints>;
 
-// Recognises bones by the names that VRM and VRoid, Mixamo, the CMU and other BVH files, Unreal and the bundled
-// performer use, with the sides of Blender (hand.L), too. Nose, heels and toes are found in the skin of head and feet
-// where there is some, else at bones of these names, else guessed. Throws InputError, naming `file` and the bones that
-// are missing, where there is no head, arm or leg.
+// Recognises bones by their names (bone_names.h). Nose, heels and toes are found in the skin of head and feet where
+// there is some, else at bones of these names, else guessed. Throws InputError, naming `file` and the bones that are
+// missing, where there is no head, arm or leg.
 JointSources joint_sources(std::span<const RestBone> bones, const std::string& file);
 
 // The pose of the bones' world transforms.

@@ -41,6 +41,37 @@ Pose pose_at(const SkeletonClip& clip, double frame) {
     return share > 0 ? mixed(clip.frames[first], clip.frames[first + 1], share) : clip.frames[first];
 }
 
+namespace {
+
+// How far the legs and the head reach to the front of the body, as hips and trunk say where that is, in lengths of
+// the trunk; 0 where the trunk is not known.
+double reach_forwards(const Pose& pose) {
+    using enum Joint;
+    const auto known = [&](Joint joint) { return at(pose, joint).confidence > 0 && at(pose, joint).measured; };
+    const auto place = [&](Joint joint) { return at(pose, joint).position; };
+    if (!known(kLeftHip) || !known(kRightHip) || !known(kPelvis) || !known(kNeck)) return 0;
+    const glm::dvec3 up = place(kNeck) - place(kPelvis), front = glm::cross(place(kLeftHip) - place(kRightHip), up);
+    if (!(glm::length(front) > 0)) return 0;
+    glm::dvec3 reach(0);
+    if (known(kNose)) reach += place(kNose) - place(kNeck);
+    for (const auto& [hip, knee, ankle, toe] : {std::array{kLeftHip, kLeftKnee, kLeftAnkle, kLeftBigToe},
+                                                std::array{kRightHip, kRightKnee, kRightAnkle, kRightBigToe}}) {
+        if (!known(hip) || !known(knee) || !known(ankle)) continue;
+        reach += place(knee) - 0.5 * (place(hip) + place(ankle));
+        if (known(toe)) reach += place(toe) - place(ankle);
+    }
+    return glm::dot(reach, glm::normalize(front)) / glm::length(up);
+}
+
+}  // namespace
+
+bool faces_backwards(const SkeletonClip& clip) {
+    constexpr double kClearly = 0.1;  // of the trunk's length: straight legs and a bowed head are no evidence
+    std::vector<double> reaches;
+    for (const Pose& pose : clip.frames) reaches.push_back(reach_forwards(pose));
+    return median(reaches) < -kClearly;
+}
+
 void expect_finite(const SkeletonClip& clip, const std::string& file) {
     constexpr double kFarthest_m = 1e6;
     for (size_t f = 0; f < clip.frames.size(); ++f)

@@ -35,11 +35,16 @@ constexpr size_t kMaxSkeletonFrames = 500'000;
 
 struct SkeletonClip {
     double fps = 25;
-    std::vector<Pose> frames;  // never empty in a clip that a function of this module returned
+    std::vector<Pose> frames;        // never empty in a clip that a function of this module returned
+    std::vector<std::string> notes;  // what a reader of files chose or found odd, a line each
 };
 
 // The pose at a time in frames, which may lie between two; before the first and after the last frame it is theirs.
 Pose pose_at(const SkeletonClip& clip, double frame);
+
+// Whether knees bend, and feet and nose that were measured point, to the back of what left and right say of the body:
+// then they are exchanged, or the motion is a mirror image.
+bool faces_backwards(const SkeletonClip& clip);
 
 // Throws InputError where a joint is not at a finite position within 1000 km.
 void expect_finite(const SkeletonClip& clip, const std::string& file);

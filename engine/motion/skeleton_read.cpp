@@ -89,29 +89,50 @@ SkeletonClip animated_model(const stage::GltfScene& scene, const std::string& na
     return model_motion(scene, static_cast<int32_t>(index), times, fps);
 }
 
-SkeletonClip read_gltf_skeleton(const std::filesystem::path& file, const std::string& animation) {
-    const stage::StageFile document = stage::read_stage_file(file);
-    const stage::GltfScene scene = stage::load_gltf(file);
-    const ordered_json extensions = document.json.value("extensions", ordered_json::object());
-    if (extensions.is_object() && extensions.contains(kSkeletonExtension))
-        return own_skeleton(scene, extensions[kSkeletonExtension]);
-    return animated_model(scene, animation);
+// Calls the nodes as a VRM's extension does: {"hips": {"node": 3}} of VRM 1.0 and of VRM animations, [{"bone": "hips",
+// "node": 3}] of VRM 0. The nodes' own names may be of any language.
+void name_vrm_bones(const ordered_json& extensions, stage::GltfScene& scene) {
+    for (const char* name : {"VRMC_vrm", "VRMC_vrm_animation", "VRM"}) {
+        const ordered_json bones =
+            extensions.value(ordered_json::json_pointer(fmt::format("/{}/humanoid/humanBones", name)), ordered_json());
+        for (const auto& [key, bone] : bones.items()) {
+            if (!bone.is_object() || !bone.contains("node") || !bone["node"].is_number_unsigned()) continue;
+            const std::string vrm =
+                bone.contains("bone") && bone["bone"].is_string() ? bone["bone"].get<std::string>() : key;
+            const size_t node = bone["node"];
+            if (node < scene.nodes.size()) scene.nodes[node].name = vrm;
+        }
+    }
 }
 
-SkeletonClip read_by_ending(const std::filesystem::path& file, const std::string& animation) {
+FileMotion read_gltf_skeleton(const std::filesystem::path& file, const std::string& animation) {
+    const stage::StageFile document = stage::read_stage_file(file);
+    stage::GltfScene scene = stage::load_gltf(file);
+    const ordered_json extensions = document.json.value("extensions", ordered_json::object());
+    if (extensions.is_object() && extensions.contains(kSkeletonExtension))
+        return {own_skeleton(scene, extensions[kSkeletonExtension]), 1, true};
+    if (extensions.is_object()) name_vrm_bones(extensions, scene);
+    return {animated_model(scene, animation), 1, true};
+}
+
+FileMotion read_by_ending(const std::filesystem::path& file, const std::string& animation) {
     const std::string ending = lower_case(file.extension().string());
     if (ending == ".bvh") return read_bvh(file);
     if (ending == ".trc") return read_trc(file);
-    if (ending == ".glb" || ending == ".gltf") return read_gltf_skeleton(file, animation);
-    throw InputError(file.string(), "", "is no skeleton that this program knows", "give a .glb, .gltf, .bvh or .trc");
+    if (ending == ".glb" || ending == ".gltf" || ending == ".vrm" || ending == ".vrma")
+        return read_gltf_skeleton(file, animation);
+    throw InputError(file.string(), "", "is no skeleton that this program knows",
+                     "give a .glb, .gltf, .vrm, .vrma, .bvh or .trc");
 }
 
 }  // namespace
 
-SkeletonClip read_skeleton(const std::filesystem::path& file, const std::string& animation) {
-    SkeletonClip clip = read_by_ending(file, animation);
-    expect_finite(clip, file.string());
-    return clip;
+SkeletonClip read_skeleton(const std::filesystem::path& file, const SkeletonReading& reading) {
+    FileMotion motion = read_by_ending(file, reading.animation);
+    bring_to_metres({reading.up, motion.y_is_up, reading.unit_m > 0 ? reading.unit_m : motion.unit_m, reading.height_m},
+                    file.string(), motion.clip);
+    expect_finite(motion.clip, file.string());
+    return std::move(motion.clip);
 }
 
 std::filesystem::path skeleton_beside(const std::filesystem::path& video) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/text.h"
+#include "motion/bone_names.h"
 #include "motion/skeleton_file.h"
 #include "motion/words.h"
 
@@ -16,27 +17,35 @@ namespace {
 
 constexpr double kMaxPlace = 1e7;
 
-// "RBigToe", "right_big_toe" and "R.BigToe" → rightbigtoe.
-std::string plain_marker(const std::string& name) {
-    std::string plain;
-    for (const char c : name)
-        if (std::isalpha(static_cast<unsigned char>(c))) plain += c;
-    const bool sided = plain.size() > 1 && std::isupper(static_cast<unsigned char>(plain[1]));
-    if (sided && plain[0] == 'R') plain = "right" + plain.substr(1);
-    if (sided && plain[0] == 'L') plain = "left" + plain.substr(1);
-    return lower_case(plain);
+// The joint of each marker, by its name.
+std::vector<std::optional<size_t>> joints_of_markers(const std::vector<std::string>& names) {
+    using enum Joint;
+    constexpr std::pair<BoneKind, Joint> kMiddle[] = {{kPelvisBone, kPelvis}, {kNeckBone, kNeck}, {kNoseBone, kNose}};
+    constexpr std::pair<BoneKind, Joint> kRight[] = {
+        {kUpperArm, kRightShoulder}, {kForearm, kRightElbow}, {kHand, kRightWrist},
+        {kThigh, kRightHip},         {kShin, kRightKnee},     {kFoot, kRightAnkle},
+        {kHeel, kRightHeel},         {kBigToe, kRightBigToe}, {kSmallToe, kRightSmallToe}};
+    const FoundBones found = find_bones(names);
+    std::vector<std::optional<size_t>> joints(names.size());
+    for (const auto& [bone, joint] : kMiddle)
+        if (found.has(bone)) joints[found.of(bone)] = index_of(joint);
+    for (const auto& [bone, joint] : kRight) {
+        if (found.has(bone, Side::kRight)) joints[found.of(bone, Side::kRight)] = index_of(joint);
+        if (found.has(bone, Side::kLeft)) joints[found.of(bone, Side::kLeft)] = index_of(info_of(joint).mirrored);
+    }
+    return joints;
 }
 
-std::optional<size_t> joint_of_marker(const std::string& name) {
-    const std::string plain = plain_marker(name);
-    if (plain == "hip" || plain == "hips" || plain == "midhip") return index_of(Joint::kPelvis);
-    for (size_t j = 0; j < kJoints; ++j)
-        if (plain == plain_marker(info_of(joint_at(j)).name)) return j;
-    return std::nullopt;
+// Sets of markers without a pelvis or a neck have hips and shoulders, between which these lie.
+void set_middle(Pose& pose, Joint middle, Joint right, Joint left) {
+    if (at(pose, middle).confidence > 0) return;
+    const JointSample &a = at(pose, right), &b = at(pose, left);
+    if (a.confidence > 0 && b.confidence > 0) at(pose, middle) = {0.5 * (a.position + b.position), 1, true};
 }
 
-double metres_of(const Words& words, const std::string& unit) {
-    if (unit == "m") return 1;
+double metres_of(const Words& words, const std::string& written) {
+    const std::string unit = lower_case(written);
+    if (unit == "m" || unit == "meters" || unit == "metres") return 1;
     if (unit == "cm") return 0.01;
     if (unit == "mm") return 0.001;
     words.fail(fmt::format("\"{}\" is no unit that this program knows", unit.substr(0, 40)), "write m, cm or mm");
@@ -51,7 +60,7 @@ std::optional<double> number_in(const std::string& field) {
 }
 
 struct TrcHead {
-    double fps = 0, unit = 1;
+    double fps = 0, unit_m = 1;
     std::vector<std::optional<size_t>> joints;  // by marker
 };
 
@@ -62,15 +71,17 @@ TrcHead read_head_lines(Words& words) {
         return split(line, '\t');
     };
     TrcHead head;
-    if (fields()[0] != "PathFileType") words.fail("does not begin with PathFileType", "give a TRC file");
+    if (!fields()[0].starts_with("PathFileType")) words.fail("does not begin with PathFileType", "give a TRC file");
     const std::vector<std::string> keys = fields(), values = fields();
     for (size_t i = 0; i < std::min(keys.size(), values.size()); ++i) {
         if (keys[i] == "DataRate") head.fps = number_in(values[i]).value_or(0);
-        if (keys[i] == "Units") head.unit = metres_of(words, values[i]);
+        if (keys[i] == "Units") head.unit_m = metres_of(words, values[i]);
     }
     if (!(head.fps >= 1e-3 && head.fps <= 1e4)) words.fail("has no DataRate in frames a second");
     const std::vector<std::string> markers = fields();
-    for (size_t i = 2; i < markers.size(); i += 3) head.joints.push_back(joint_of_marker(markers[i]));
+    std::vector<std::string> names;
+    for (size_t i = 2; i < markers.size(); i += 3) names.push_back(markers[i]);
+    head.joints = joints_of_markers(names);
     fields();
     return head;
 }
@@ -87,17 +98,19 @@ Pose read_row(const Words& words, const TrcHead& head, const std::vector<std::st
             if (!value && !field.empty() && lower_case(field) != "nan")
                 words.fail(fmt::format("\"{}\" is no number", field.substr(0, 40)));
             known = known && value;
-            sample.position[i] = value.value_or(0) * head.unit;
+            sample.position[i] = value.value_or(0);
         }
         sample.confidence = known ? 1 : 0;
         sample.measured = known;
     }
+    set_middle(pose, Joint::kPelvis, Joint::kRightHip, Joint::kLeftHip);
+    set_middle(pose, Joint::kNeck, Joint::kRightShoulder, Joint::kLeftShoulder);
     return pose;
 }
 
 }  // namespace
 
-SkeletonClip read_trc(const std::filesystem::path& file) {
+FileMotion read_trc(const std::filesystem::path& file) {
     Words words(file);
     const TrcHead head = read_head_lines(words);
     SkeletonClip clip;
@@ -113,8 +126,8 @@ SkeletonClip read_trc(const std::filesystem::path& file) {
     if (clip.frames.empty()) words.fail("has no frames", "write it again");
     if (!(body_height(bone_lengths(clip)) > 0))
         throw InputError(file.string(), "line 4", "has no leg and trunk among its markers",
-                         "name markers as Pose2Sim does: Hip, Neck, RHip, RKnee, RAnkle");
-    return clip;
+                         "name markers as Pose2Sim does: Hip, Neck, RHip, RKnee, RAnkle, RShoulder");
+    return {std::move(clip), head.unit_m, false};
 }
 
 }  // namespace neuvv::motion

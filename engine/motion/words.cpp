@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/platform.h"
+#include "base/text.h"
 
 namespace neuvv::motion {
 
@@ -24,6 +25,9 @@ bool is_space(char c) {
 Words::Words(const std::filesystem::path& file) : file_(file.string()) {
     const std::vector<uint8_t> bytes = read_file(file, kMaxText_bytes);
     text_.assign(bytes.begin(), bytes.end());
+    if (text_.starts_with("\xff\xfe") || text_.starts_with("\xfe\xff"))
+        fail("is a text of UTF-16", "save it as UTF-8 or ASCII");
+    if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;  // a byte order mark
 }
 
 void Words::fail(const std::string& problem, const std::string& fix) const {
@@ -41,7 +45,8 @@ std::string Words::next() {
 
 void Words::expect(const char* word) {
     const std::string found = next();
-    if (found != word) fail(fmt::format("\"{}\" stands where {} should", found.substr(0, 40), word));
+    if (lower_case(found) != lower_case(word))
+        fail(fmt::format("\"{}\" stands where {} should", found.substr(0, 40), word));
 }
 
 double Words::number(double low, double high) {

@@ -14,8 +14,8 @@ class Words {
     explicit Words(const std::filesystem::path& file);
 
     [[noreturn]] void fail(const std::string& problem, const std::string& fix = "") const;
-    std::string next();  // the next word; words are parted by white space
-    void expect(const char* word);
+    std::string next();                      // the next word; words are parted by white space
+    void expect(const char* word);           // in upper or lower case
     double number(double low, double high);  // the next word as a finite number within these bounds
 
     // The rest of the current line, without its end; false at the end of the file. Lines of Windows end alike.

@@ -177,6 +177,56 @@ TEST(Compare, LeavesOutWhatIsEstimatedOrNotCounted) {
     EXPECT_NEAR(motion::compare(trainer(), test::other_body(trainer(), 1, {0, 0, 0}, 1), options).yaw, 1, 1e-6);
 }
 
+void hide(motion::SkeletonClip& clip, std::initializer_list<motion::Joint> joints, size_t from_frame = 0) {
+    for (size_t f = from_frame; f < clip.frames.size(); ++f)
+        for (const motion::Joint joint : joints) motion::at(clip.frames[f], joint) = {};
+}
+
+TEST(Compare, APoseThatIsHeldIsNoMotion) {
+    motion::SkeletonClip one = trainer(), held = trainer();
+    one.frames.resize(1);
+    for (motion::Pose& pose : held.frames) pose = trainer().frames[20];
+    for (const motion::SkeletonClip& still : {one, held, test::other_body(held, 0.8, {1, 0, 0}, 1)}) {
+        expect_input_error([&] { motion::compare(still, trainer()); }, {"TRAINER", "holds one pose"});
+        expect_input_error([&] { motion::compare(trainer(), still); }, {"TRAINEE", "holds one pose"});
+        expect_input_error([&] { motion::compare(still, still); }, {"holds one pose"});
+    }
+    // A body that only slides about does not move either.
+    for (size_t f = 0; f < held.frames.size(); ++f)
+        for (motion::JointSample& sample : held.frames[f]) sample.position.x += 0.1 * static_cast<double>(f);
+    expect_input_error([&] { motion::compare(held, held); }, {"holds one pose"});
+}
+
+TEST(Compare, NeedsAnArmOrALegThatBothKnow) {
+    using enum motion::Joint;
+    motion::SkeletonClip right = trainer(), left = trainer();
+    hide(right, {kLeftElbow, kLeftWrist, kLeftKnee, kLeftAnkle, kLeftBigToe});
+    hide(left, {kRightElbow, kRightWrist, kRightKnee, kRightAnkle, kRightBigToe});
+    expect_input_error([&] { motion::compare(right, left); }, {"no arm and no leg"});
+    EXPECT_DOUBLE_EQ(motion::compare(right, right).score, 100);
+    motion::CompareOptions trunk_alone;
+    trunk_alone.counted = {true, true, false, false, false, false};
+    EXPECT_DOUBLE_EQ(motion::compare(right, left, trunk_alone).score, 100);
+    // A limb that is seen for a moment alone has no score.
+    motion::SkeletonClip briefly = trainer();
+    hide(briefly, {kLeftElbow, kLeftWrist}, 4);
+    EXPECT_EQ(motion::compare(trainer(), briefly).limb_scores[motion::index_of(Limb::kLeftArm)], -1);
+}
+
+// Left and right exchanged look like somebody who stands turned about, until the knees bend.
+TEST(Compare, RefusesExchangedSides) {
+    motion::SkeletonClip exchanged = trainer();
+    for (motion::Pose& pose : exchanged.frames) {
+        pose = motion::mirrored(pose);
+        for (motion::JointSample& sample : pose) sample.position.x = -sample.position.x;
+    }
+    EXPECT_FALSE(motion::faces_backwards(trainer()));
+    EXPECT_TRUE(motion::faces_backwards(exchanged));
+    expect_input_error([&] { motion::compare(trainer(), exchanged); }, {"TRAINEE", "left and right exchanged"});
+    expect_input_error([&] { motion::compare(exchanged, trainer()); }, {"TRAINER", "left and right exchanged"});
+    for (const motion::SkeletonClip& clip : trainers()) EXPECT_FALSE(motion::faces_backwards(another(clip)));
+}
+
 TEST(Compare, ErrorsAreThoseOfTheFormulas) {
     const auto other = test::with_noise(test::at_speed(trainer(), 0.8), 0.05, 3);
     motion::SkeletonClip clip = trainer();

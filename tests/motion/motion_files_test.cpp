@@ -158,6 +158,29 @@ TEST(Bvh, RefusesWhatIsNotWhole) {
     refuses("hello", {"take.bvh", "line 1", "HIERARCHY"});
 }
 
+// 3ds Max has spaces in names; editors of Windows begin files with a byte order mark.
+TEST(Bvh, MayHaveSpacesInNamesAndAByteOrderMark) {
+    const TemporaryFolder folder;
+    const auto path = folder.path / "take.bvh";
+    std::string text = kBvh + bvh_frame(0, 0, 0) + bvh_frame(0, 0, 0);
+    const std::pair<const char*, const char*> names[] = {
+        {"LeftUpLeg", "Bip01 L Thigh"},  {"LeftLeg {", "Bip01 L Calf{"},   {"LeftFoot", "Bip01 L Foot"},
+        {"RightUpLeg", "Bip01 R Thigh"}, {"RightLeg", "Bip01 R Calf"},     {"RightFoot", "Bip01 R Foot"},
+        {"Head", "Bip01  Head"},         {"LeftArm", "Bip01 L UpperArm"},  {"LeftForeArm", "Bip01 L Forearm"},
+        {"LeftHand", "Bip01 L Hand"},    {"RightArm", "Bip01 R UpperArm"}, {"RightForeArm", "Bip01 R Forearm"},
+        {"RightHand", "Bip01 R Hand"},   {"ROOT Hips", "ROOT Bip01"},      {"End Site", "End site"},
+        {"CHANNELS 6 X", "Channels 6 X"}};
+    for (const auto& [from, to] : names) text.replace(text.find(from), std::string(from).size(), to);
+    write_text(path, "\xef\xbb\xbf" + text);
+    const motion::SkeletonClip clip = motion::read_skeleton(path);
+    test::expect_near(motion::at(clip.frames[0], Joint::kLeftWrist).position, {0.73, 1.45, 0});
+    test::expect_near(motion::at(clip.frames[0], Joint::kRightKnee).position, {-0.1, 0.55, 0});
+    write_text(path, "\xff\xfeH");
+    expect_input_error([&] { motion::read_skeleton(path); }, {"take.bvh", "UTF-16", "UTF-8"});
+    write_text(path, "HIERARCHY\nROOT OFFSET 0 0 0");
+    expect_input_error([&] { motion::read_skeleton(path); }, {"take.bvh", "line 2", "OFFSET"});
+}
+
 std::string trc_row(int frame, const std::vector<glm::dvec3>& places) {
     std::string row = fmt::format("{}\t{}", frame, (frame - 1) / 60.0);
     for (const glm::dvec3& p : places) row += fmt::format("\t{}\t{}\t{}", p.x, p.y, p.z);
@@ -194,6 +217,46 @@ TEST(Trc, ReadsMarkersByName) {
     std::string inches = head;
     refuses(inches.replace(inches.find("mm"), 2, "in") + rows, {"take.trc", "\"in\"", "unit"});
     refuses("PathFileType", {"take.trc", "head"});
+}
+
+// Markers of a Kinect, which has ankle and foot, in a space whose +Z is up, without a pelvis and a neck.
+TEST(Trc, KnowsOtherNamesAndStandsBodiesUp) {
+    const TemporaryFolder folder;
+    const auto path = folder.path / "take.trc";
+    const std::pair<const char*, glm::dvec3> markers[] = {
+        {"HipRight", {-10, 0, 95}},     {"KneeRight", {-10, 0, 50}}, {"FootRight", {-10, -15, 0}},
+        {"AnkleRight", {-10, 0, 8}},    {"HipLeft", {10, 0, 95}},    {"KneeLeft", {10, 0, 50}},
+        {"FootLeft", {10, -15, 0}},     {"AnkleLeft", {10, 0, 8}},   {"ShoulderRight", {-18, 0, 140}},
+        {"ShoulderLeft", {18, 0, 140}}, {"HandLeft", {60, 0, 140}},  {"WristLeft", {50, 0, 140}}};
+    std::string names = "Frame#\tTime";
+    std::vector<glm::dvec3> places;
+    for (const auto& [name, place] : markers) {
+        names += fmt::format("\t{}\t\t", name);
+        places.push_back(place);
+    }
+    write_text(path, "\xef\xbb\xbfPathFileType\t4\t(X/Y/Z)\ttake.trc\nDataRate\tUnits\n60\tCM\n" + names +
+                         "\n\t\tX1\tY1\tZ1\n" + trc_row(1, places));
+    const motion::SkeletonClip clip = motion::read_skeleton(path);
+    test::expect_near(motion::at(clip.frames[0], Joint::kPelvis).position, {0, 0.95, 0});
+    test::expect_near(motion::at(clip.frames[0], Joint::kNeck).position, {0, 1.4, 0});
+    test::expect_near(motion::at(clip.frames[0], Joint::kLeftWrist).position, {0.5, 1.4, 0});
+    test::expect_near(motion::at(clip.frames[0], Joint::kRightAnkle).position, {-0.1, 0.08, 0});
+    ASSERT_EQ(clip.notes.size(), 1u);
+    EXPECT_NE(clip.notes[0].find("take.trc: the body stands along z"), std::string::npos) << clip.notes[0];
+    motion::SkeletonReading lying;
+    lying.up = motion::Axis::kY;
+    test::expect_near(motion::at(motion::read_skeleton(path, lying).frames[0], Joint::kNeck).position, {0, 0, 1.4});
+}
+
+TEST(Trc, OfPose2SimStands) {
+    const std::filesystem::path data = NEUVV_SOURCE_DIR "/../shared/data/pose2sim/single/pose-3d";
+    if (!std::filesystem::is_directory(data)) GTEST_SKIP() << "no ../shared/data/pose2sim";
+    for (const auto& file : std::filesystem::directory_iterator(data)) {
+        const motion::SkeletonClip clip = motion::read_skeleton(file.path());
+        EXPECT_TRUE(clip.notes.empty()) << clip.notes.at(0);
+        EXPECT_EQ(motion::standing_axis(clip), motion::Axis::kY);
+        EXPECT_NEAR(test::height_of(clip), 1.7, 0.2);
+    }
 }
 
 TEST(PoseLine, IsReadAsItWasWritten) {
@@ -288,6 +351,148 @@ TEST(KeyPoints, AreReadFromAFolderForEachCamera) {
     std::filesystem::remove(test.folder.path / "c01");
     std::filesystem::create_directory(test.folder.path / "c07_json");
     expect_input_error([&] { test.read(); }, {"c07_json", "none of these cameras"});
+}
+
+// Detectors that write nothing where they see nobody: a file that is missing is an image without a person.
+TEST(KeyPoints, GoByTheNumbersOfTheirFiles) {
+    DetectionFolder test;
+    const auto write = [&](const std::string& folder, const std::string& name, double shift) {
+        std::filesystem::create_directory(test.folder.path / folder);
+        motion::write_key_points(test.folder.path / folder / (name + ".json"), some_points(shift));
+    };
+    const auto expect_seen = [&](std::array<std::array<int, 3>, 2> shifts) {
+        test.detections.notes.clear();
+        test.read();
+        for (size_t c = 0; c < 2; ++c)
+            for (size_t f = 0; f < 3; ++f) {
+                const motion::KeyPoint nose = test.detections.in(f, c)[motion::index_of(Joint::kNose)];
+                if (shifts[c][f] < 0)
+                    EXPECT_EQ(nose.confidence, 0) << c << f;
+                else
+                    EXPECT_EQ(nose.pixel.x, 10.5 * 2 + shifts[c][f]) << c << f;
+            }
+    };
+    const auto begin_anew = [&] {
+        for (const auto& entry : std::filesystem::directory_iterator(test.folder.path))
+            std::filesystem::remove_all(entry.path());
+    };
+    // Pose2Sim's folders with the names of OpenPose, of its own demo, of MMPose and of AlphaPose.
+    const std::pair<const char*, const char*> schemes[] = {
+        {"c00_f000_keypoints", "c00_f002_keypoints"},
+        {"video_000000000000_keypoints", "video_000000000002_keypoints"},
+        {"cam01.0000", "cam01.0002"},
+        {"000000", "000002"},
+        {"0", "2.jpg"}};
+    for (const auto& [first, third] : schemes) {
+        SCOPED_TRACE(first);
+        write("c00_json", first, 1);
+        write("c00_json", third, 3);
+        write("c01_json", "c01_f001", 5);
+        write("c01_json", ".hidden_f000", 9);
+        expect_seen({{{1, -1, 3}, {-1, 5, -1}}});
+        ASSERT_EQ(test.detections.notes.size(), 1u);
+        EXPECT_NE(test.detections.notes[0].find("3 of 6 images"), std::string::npos) << test.detections.notes[0];
+        begin_anew();
+    }
+    // A detector that counts from another number in all cameras.
+    write("c00_json", "00101", 1);
+    write("c00_json", "00103", 3);
+    write("c01_json", "00102", 5);
+    expect_seen({{{1, -1, 3}, {-1, 5, -1}}});
+    EXPECT_NE(test.detections.notes[0].find("numbered from 101, images from 0"), std::string::npos);
+    // Numbers that fit in no way.
+    write("c01_json", "00110", 5);
+    expect_input_error([&] { test.read(); }, {"belongs to no image", "c00_f000_keypoints.json"});
+    begin_anew();
+    write("c00_json", "f1", 1);
+    write("c00_json", "f01", 1);
+    expect_input_error([&] { test.read(); }, {"has the number of"});
+    begin_anew();
+    // All files in one folder, with more zeros than the images' names have.
+    write(".", "c00_f000000002_keypoints", 3);
+    write(".", "c01_f000000000_keypoints", 4);
+    expect_seen({{{-1, -1, 3}, {4, -1, -1}}});
+    begin_anew();
+    // Folders that bear no camera's name are taken in order, as Pose2Sim does.
+    write("cam_1_json", "000", 1);
+    write("cam_2_json", "002", 2);
+    expect_seen({{{1, -1, -1}, {-1, -1, 2}}});
+    EXPECT_NE(test.detections.notes[0].find("cam_1 for c00"), std::string::npos) << test.detections.notes[0];
+}
+
+std::string paired_person(double x) {
+    std::string places, scores;
+    for (int i = 0; i < 17; ++i) {
+        places += fmt::format("{}[{}, {}]", i ? ", " : "", x, 2 * i);
+        scores += fmt::format("{}{}", i ? ", " : "", 0.5);
+    }
+    return "{\"keypoints\": [" + places + "], \"keypoint_scores\": [" + scores + "]}";
+}
+
+TEST(KeyPoints, OfMMPoseAndAlphaPoseAreRead) {
+    DetectionFolder test;
+    const auto nose_x = [&](size_t frame, size_t camera) {
+        const motion::KeyPoint& nose = test.detections.in(frame, camera)[motion::index_of(Joint::kNose)];
+        return nose.confidence > 0 ? nose.pixel.x : -1;
+    };
+    write_text(test.folder.path / "c00_f001.json", "[" + paired_person(4) + "]");
+    write_text(test.folder.path / "c00_f002.json", "[]");
+    test.read();
+    EXPECT_EQ(nose_x(1, 0), 4);
+    EXPECT_EQ(nose_x(2, 0), -1);
+    // MMPose's file of a video, of each camera.
+    write_text(test.folder.path / "c00_f001.json", "[]");
+    write_text(test.folder.path / "results_c00.json",
+               "{\"meta_info\": {}, \"instance_info\": [{\"frame_id\": 0, \"instances\": [" + paired_person(5) +
+                   "]}, {\"frame_id\": 2, \"instances\": []}]}");
+    write_text(test.folder.path / "c01.json", "[{\"frame_id\": 2, \"instances\": [" + paired_person(6) + "]}]");
+    test.read();
+    EXPECT_EQ(nose_x(0, 0), 5);
+    EXPECT_EQ(nose_x(2, 1), 6);
+    // AlphaPose's file of all images.
+    for (const char* name : {"c00_f001.json", "c00_f002.json", "results_c00.json", "c01.json"})
+        std::filesystem::remove(test.folder.path / name);
+    std::string flat;
+    for (int i = 0; i < 17; ++i) flat += fmt::format("{}{}, 3, 0.9", i ? ", " : "", 8);
+    const auto of_image = [&](const char* name, const std::string& points) {
+        return fmt::format("{{\"image_id\": \"{}\", \"category_id\": 1, \"keypoints\": [{}], \"score\": 2.5}}", name,
+                           points);
+    };
+    write_text(test.folder.path / "alphapose-results.json",
+               "[" + of_image("c00_f000.jpg", flat) + "," + of_image("c01_f002.jpg", flat) + "]");
+    test.read();
+    EXPECT_EQ(nose_x(0, 0), 8);
+    EXPECT_EQ(nose_x(2, 1), 8);
+    EXPECT_EQ(nose_x(1, 0), -1);
+    write_text(test.folder.path / "alphapose-results.json", "[" + of_image("c07_f000.jpg", flat) + "]");
+    expect_input_error([&] { test.read(); }, {"alphapose-results.json", "c07_f000", "no image"});
+}
+
+// OpenPose has two sets of 25 points; Pose2Sim's demo is of the rarer one.
+TEST(KeyPoints, OfBody25BAreTold) {
+    const std::filesystem::path data = NEUVV_SOURCE_DIR "/../shared/data/pose2sim/single/pose";
+    if (!std::filesystem::is_directory(data)) GTEST_SKIP() << "no ../shared/data/pose2sim";
+    motion::Detections seen;
+    seen.cameras.resize(4);
+    seen.frames = 100;
+    std::vector<motion::WantedImage> images;
+    for (size_t c = 0; c < 4; ++c)
+        for (size_t f = 0; f < 100; ++f)
+            images.push_back({fmt::format("cam0{}", c + 1), fmt::format("cam0{}_{:06}", c + 1, f), c, f});
+    motion::read_detections(data, images, seen);
+    // Ankles are below knees, and these below hips; of BODY_25 the numbers of the hips are a wrist and an elbow.
+    size_t right = 0, wrong = 0;
+    for (const motion::KeyPoints& points : seen.points) {
+        const auto at = [&](Joint joint) { return points[motion::index_of(joint)]; };
+        if (!(at(Joint::kRightHip).confidence > 0.5 && at(Joint::kRightKnee).confidence > 0.5 &&
+              at(Joint::kNeck).confidence > 0.5))
+            continue;
+        const bool ordered = at(Joint::kNeck).pixel.y < at(Joint::kRightHip).pixel.y &&
+                             at(Joint::kRightHip).pixel.y < at(Joint::kRightKnee).pixel.y;
+        ++(ordered ? right : wrong);
+    }
+    EXPECT_GT(right, 300u);
+    EXPECT_LT(wrong, 10u);
 }
 
 TEST(KeyPoints, OfImagesWithOneNameNeedFolders) {
