@@ -32,10 +32,13 @@ float metres_at(uvec2 pixel, int texel) {
     return FETCH(depth, ray).x / length(camera_line(view, at));
 }
 
-// The darkness of the vignette at a position of the image, 0 to 1; it grows from the middle to the edge.
+// The darkness of the vignette at a position of the image, 0 to 1. It grows with the angle from the optical axis, which
+// is not the image's middle: so both eyes see it in the same directions.
 float vignette(vec2 at) {
-    const float from_middle = length(at / vec2(push.width, push.height) - 0.5) * 2.0;
-    return push.vignette * smoothstep(1.1 - 0.7 * push.vignette, 1.3 - 0.6 * push.vignette, from_middle);
+    const vec3 line = camera_line(view, at);
+    const float from_axis = sqrt(max(dot(line, line) - 1.0, 0.0));
+    return push.vignette * smoothstep(mix(kWeakFrom, kStrongFrom, push.vignette),
+                                      mix(kWeakBlack, kStrongBlack, push.vignette), from_axis);
 }
 
 void main() {
@@ -43,6 +46,7 @@ void main() {
     const int texel = int((view * push.height + pixel.y) * push.width + pixel.x);
     const vec4 colour = unpackUnorm4x8(FETCH(image, texel).x);
     light = vec4(srgb_decode(colour.rgb) * colour.a, colour.a);
-    if (push.vignette > 0.0) light = mix(light, vec4(0.0, 0.0, 0.0, 1.0), vignette(gl_FragCoord.xy));
+    const float darkness = max(push.fade, push.vignette > 0.0 ? vignette(gl_FragCoord.xy) : 0.0);
+    light = mix(light, vec4(0.0, 0.0, 0.0, 1.0), darkness);
     gl_FragDepth = clamp(push.near_m / metres_at(pixel, texel), 0.0, 1.0);
 }

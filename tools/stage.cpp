@@ -202,7 +202,9 @@ std::string duplicate_node(stage::StageFile& file, const DuplicateOptions& optio
             throw InputError("--fan", "0", "is no radius: all would stand in each other", "give it some metres");
     }
     settings.distance_m = options.row ? *options.row : options.ring ? *options.ring : options.fan[0];
-    return edit::duplicate_node(file, edit::find_node(file, options.node), settings);
+    const size_t before = edit::node_count(file);
+    const std::string done = edit::duplicate_node(file, edit::find_node(file, options.node), settings);
+    return fmt::format("{}, nodes {} to {}", done, before, edit::node_count(file) - 1);
 }
 
 void add_duplicate(Command stage) {

@@ -113,7 +113,7 @@ void EyePass::upload(const EyeShapes& shapes) {
 }
 
 void EyePass::record(gpu::Commands& commands, const render::StageRenderer& renderer, const gpu::Buffer& images,
-                     std::span<const stage::Camera> cameras, const EyeShapes& shapes, double vignette,
+                     std::span<const stage::Camera> cameras, const EyeShapes& shapes, const EyeShade& shade,
                      const EyeTarget& target) {
     bind(renderer, images);
     upload(shapes);
@@ -142,12 +142,12 @@ void EyePass::record(gpu::Commands& commands, const render::StageRenderer& rende
     vkCmdSetScissor(commands.handle(), 0, 1, &info.renderArea);
     vkCmdSetCullMode(commands.handle(), VK_CULL_MODE_NONE);
     vkCmdSetFrontFace(commands.handle(), VK_FRONT_FACE_COUNTER_CLOCKWISE);
-    draw_image(commands, renderer.frames().layout(), vignette);
+    draw_image(commands, renderer.frames().layout(), shade);
     draw_shapes(commands, cameras, shapes);
     vkCmdEndRendering(commands.handle());
 }
 
-void EyePass::draw_image(gpu::Commands& commands, const render::ViewLayout& layout, double vignette) {
+void EyePass::draw_image(gpu::Commands& commands, const render::ViewLayout& layout, const EyeShade& shade) {
     const VkDescriptorSet set = bound_.handle();
     vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, image_.pipeline());
     vkCmdBindDescriptorSets(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, image_.layout(), 0, 1, &set, 0,
@@ -155,7 +155,8 @@ void EyePass::draw_image(gpu::Commands& commands, const render::ViewLayout& layo
     vkCmdSetDepthWriteEnable(commands.handle(), VK_TRUE);
     push(commands, image_,
          EyePush{layout.width, layout.height, layout.tiles_across(), layout.tiles_down(),
-                 static_cast<float>(render::kSetNear_m), static_cast<float>(vignette)});
+                 static_cast<float>(render::kSetNear_m), static_cast<float>(shade.vignette),
+                 static_cast<float>(shade.fade)});
     vkCmdDraw(commands.handle(), 3, layout.views, 0, 0);
 }
 

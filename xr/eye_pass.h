@@ -11,6 +11,7 @@
 #include "render/stage_renderer.h"
 #include "xr/eye_shapes.h"
 #include "xr/eye_text.h"
+#include "xr/locomotion.h"
 #include "xr/swapchain.h"
 
 namespace neuvv::xr {
@@ -33,18 +34,17 @@ class EyePass {
 
     // Records how the images of the renderer, and the shapes over them, are drawn: behind the images in their
     // submission (FrameRenderer::Then). Of what it recorded before, the last may be under way. `cameras` are those of
-    // the images, as many as there are views (a multiple of kEyes), and have the target's size. `vignette` says how
-    // dark the edges are, 0..1. Leaves the target in the layouts in which OpenXR expects it (COLOR_ATTACHMENT_OPTIMAL
-    // and DEPTH_STENCIL_ATTACHMENT_OPTIMAL).
+    // the images, as many as there are views (a multiple of kEyes), and have the target's size. Leaves the target in
+    // the layouts in which OpenXR expects it (COLOR_ATTACHMENT_OPTIMAL and DEPTH_STENCIL_ATTACHMENT_OPTIMAL).
     void record(gpu::Commands& commands, const render::StageRenderer& renderer, const gpu::Buffer& images,
-                std::span<const stage::Camera> cameras, const EyeShapes& shapes, double vignette,
+                std::span<const stage::Camera> cameras, const EyeShapes& shapes, const EyeShade& shade,
                 const EyeTarget& target);
     void set_font(const gpu::DeviceImage& image) { text_.set_font(image); }
 
   private:
     void bind(const render::StageRenderer& renderer, const gpu::Buffer& images);
     void upload(const EyeShapes& shapes);
-    void draw_image(gpu::Commands& commands, const render::ViewLayout& layout, double vignette);
+    void draw_image(gpu::Commands& commands, const render::ViewLayout& layout, const EyeShade& shade);
     void draw_shapes(gpu::Commands& commands, std::span<const stage::Camera> cameras, const EyeShapes& shapes);
     const gpu::Device& device_;
     gpu::GraphicsPass image_, solid_, translucent_, on_top_;

@@ -55,9 +55,16 @@ constexpr double kMaxStep_s = 0.1;
 XrRig walked(XrRig rig, const Pose& head_in_tracking, glm::dvec2 stick, double metres_per_s, double dt_s,
              double dead_zone = 0.15);
 
+// How much darker an image is drawn for comfort, 0..1.
+struct EyeShade {
+    double vignette = 0;  // of its edges
+    double fade = 0;      // of all but shapes
+};
+
 // How strong a comfort vignette should be: from 0 at rest to 1 at kVignetteSpeed_m_per_s or kVignetteTurn_rad_per_s and
-// above. Smooth, and monotonic in the magnitude of each argument.
-constexpr double kVignetteSpeed_m_per_s = 3, kVignetteTurn_rad_per_s = 1.6;
+// above, which are those of a brisk walk and of half of a usual smooth turn. Smooth, and monotonic in the magnitude of
+// each argument.
+constexpr double kVignetteSpeed_m_per_s = 1.6, kVignetteTurn_rad_per_s = 0.8;
 double vignette_of(double speed_m_per_s, double turn_rad_per_s);
 
 }  // namespace neuvv::xr

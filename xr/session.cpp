@@ -136,6 +136,7 @@ void Session::on_state_changed(const XrEventDataSessionStateChanged& event) {
 }
 
 SessionStatus Session::poll(SessionEvents& events) {
+    const bool had_focus = state_ == XR_SESSION_STATE_FOCUSED;
     for (XrEventDataBuffer event{XR_TYPE_EVENT_DATA_BUFFER};
          check(xrPollEvent(runtime_.instance(), &event), "xrPollEvent", runtime_.name()) == XR_SUCCESS;
          event = {XR_TYPE_EVENT_DATA_BUFFER}) {
@@ -173,6 +174,7 @@ SessionStatus Session::poll(SessionEvents& events) {
                 break;  // such as refresh rates, which show in times; and unused extensions
         }
     }
+    if (const bool has_focus = state_ == XR_SESSION_STATE_FOCUSED; has_focus != had_focus) events.has_focus = has_focus;
     if (lost_) return SessionStatus::kLost;
     if (ended_) return SessionStatus::kEnded;
     return running_ ? SessionStatus::kRunning : SessionStatus::kIdle;
@@ -237,6 +239,14 @@ std::optional<Pose> Session::locate(XrSpace space, XrTime time) const {
     check(xrLocateSpace(space, tracking_space(), time, &location), "xrLocateSpace", runtime_.headset());
     if (!is_known(location.locationFlags)) return std::nullopt;
     return pose_of(location.pose);
+}
+
+std::optional<glm::dvec2> Session::play_area() const {
+    XrExtent2Df sides{};
+    const XrResult result = xrGetReferenceSpaceBoundsRect(handle(), XR_REFERENCE_SPACE_TYPE_STAGE, &sides);
+    const bool is_known = succeeded(result, "xrGetReferenceSpaceBoundsRect", runtime_.headset()) &&
+                          result != XR_SPACE_BOUNDS_UNAVAILABLE && sides.width > 0 && sides.height > 0;
+    return is_known ? std::optional(glm::dvec2(sides.width, sides.height)) : std::nullopt;
 }
 
 std::vector<float> Session::refresh_rates() const {

@@ -40,7 +40,9 @@ struct TrackingChange {
 struct SessionEvents {
     // All changes that were reported and have not taken effect yet. It may have those of earlier polls before a poll.
     std::optional<TrackingChange> tracking_change;
-    std::optional<bool> is_worn;                 // whether somebody wears the headset, where that has changed
+    std::optional<bool> is_worn;  // whether somebody wears the headset, where that has changed
+    // Whether the session has the input, where that has changed: it has not while the system's menu is in front.
+    std::optional<bool> has_focus;
     bool passthrough_lost = false;               // call Room::restart
     bool controllers_changed = false;            // the user holds other controllers: call Actions::update_controllers
     std::array<bool, kMaxViews> mask_changed{};  // the lens hides another part of this view
@@ -110,6 +112,9 @@ class Session {
     std::optional<EyeViews> locate_eyes(XrTime time);
     // The pose of a space in the tracking space; empty while it is not tracked.
     std::optional<Pose> locate(XrSpace space, XrTime time) const;
+
+    // The sides of the rectangle in which the user may walk, metres; nothing where the runtime does not know it.
+    std::optional<glm::dvec2> play_area() const;
 
     // The display's refresh rates in Hz; empty where the runtime does not let a program choose one.
     std::vector<float> refresh_rates() const;

@@ -143,8 +143,8 @@ std::string duplicate(stage::StageFile& file, uint32_t node, const CopySettings&
     }
     if (ordered_json* siblings = siblings_of(file, node))
         for (const uint32_t index : copies) siblings->push_back(index);
-    return fmt::format("{}: {} more, nodes {} to {}", title, settings.count,
-                       file.json["nodes"].size() - settings.count * family.size(), file.json["nodes"].size() - 1);
+    if (settings.count == 1) return fmt::format("{}: a copy", title);
+    return fmt::format("{}: {} more", title, settings.count);
 }
 
 bool is_possible_count(uint32_t copies) {

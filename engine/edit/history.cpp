@@ -21,16 +21,16 @@ uint64_t History::extra_bytes(const Document& document) const {
     return extra;
 }
 
-void History::add_step(Document before, const Document& after, std::string what) {
+void History::add_step(Document before, const Document& after, std::string what, std::optional<uint32_t> selected) {
     redo_.clear();
     undo_.push_back(
-        {before.file.path, std::move(before.file.json), std::move(before.paint), revision_, std::move(what)});
+        {before.file.path, std::move(before.file.json), std::move(before.paint), revision_, std::move(what), selected});
     revision_ = ++last_revision_;
     while (undo_.size() > 1 && (undo_.size() > step_limit_ || extra_bytes(after) > byte_limit_)) undo_.pop_front();
 }
 
-std::optional<std::string> History::step(Document& document, uint64_t& revision, std::deque<Step>& from,
-                                         std::deque<Step>& to) {
+std::optional<std::string> History::step(Document& document, uint64_t& revision, std::optional<uint32_t>* selected,
+                                         std::deque<Step>& from, std::deque<Step>& to) {
     if (from.empty()) return {};
     stage::StageFile& file = document.file;
     stage::StageFile target = stage::moved_to({from.back().path, from.back().json, {}}, file.path);
@@ -42,17 +42,18 @@ std::optional<std::string> History::step(Document& document, uint64_t& revision,
     step.json = std::exchange(file.json, std::move(target.json));
     std::swap(step.paint, document.paint);
     std::swap(step.revision, revision);
+    if (selected) std::swap(step.selected, *selected);
     std::string what = step.what;
     to.push_back(std::move(step));
     return what;
 }
 
-std::optional<std::string> History::undo(Document& document) {
-    return step(document, revision_, undo_, redo_);
+std::optional<std::string> History::undo(Document& document, std::optional<uint32_t>* selected) {
+    return step(document, revision_, selected, undo_, redo_);
 }
 
-std::optional<std::string> History::redo(Document& document) {
-    return step(document, revision_, redo_, undo_);
+std::optional<std::string> History::redo(Document& document, std::optional<uint32_t>* selected) {
+    return step(document, revision_, selected, redo_, undo_);
 }
 
 }  // namespace neuvv::edit

@@ -19,14 +19,15 @@ class History {
         : step_limit_(steps), byte_limit_(bytes) {}
 
     // Adds a step after an edit: the document before and after it, and what the edit did. Steps that were undone can no
-    // longer be redone.
-    void add_step(Document before, const Document& after, std::string what);
+    // longer be redone. `selected` is the node that was selected before the edit.
+    void add_step(Document before, const Document& after, std::string what, std::optional<uint32_t> selected = {});
 
     // Takes JSON and paint one step back or forward. Returns what the step did, nullopt where there is no step. The
     // document keeps its path and its saved state. Where it was saved into another folder since the step, the URIs are
-    // adapted (moved_to, which may throw InputError: then nothing has changed).
-    std::optional<std::string> undo(Document& document);
-    std::optional<std::string> redo(Document& document);
+    // adapted (moved_to, which may throw InputError: then nothing has changed). `selected`, where it is given, is the
+    // selected node, and becomes the one that was selected when the document was like that.
+    std::optional<std::string> undo(Document& document, std::optional<uint32_t>* selected = nullptr);
+    std::optional<std::string> redo(Document& document, std::optional<uint32_t>* selected = nullptr);
     // What undo or redo would do, for menus; null where there is no step.
     const std::string* next_undo() const { return undo_.empty() ? nullptr : &undo_.back().what; }
     const std::string* next_redo() const { return redo_.empty() ? nullptr : &redo_.back().what; }
@@ -50,9 +51,10 @@ class History {
         PaintLayers paint;
         uint64_t revision = 0;
         std::string what;
+        std::optional<uint32_t> selected;
     };
-    static std::optional<std::string> step(Document& document, uint64_t& revision, std::deque<Step>& from,
-                                           std::deque<Step>& to);
+    static std::optional<std::string> step(Document& document, uint64_t& revision, std::optional<uint32_t>* selected,
+                                           std::deque<Step>& from, std::deque<Step>& to);
 
     size_t step_limit_;
     uint64_t byte_limit_;

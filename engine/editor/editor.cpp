@@ -60,7 +60,7 @@ bool Editor::edit(const Operation& operation) {
     std::string what;
     if (!apply(operation, what)) return false;
     if (edit::same_document(before, document_)) return true;
-    history_.add_step(std::move(before), document_, std::move(what));
+    history_.add_step(std::move(before), document_, std::move(what), selected_);
     changed();
     return true;
 }
@@ -73,7 +73,10 @@ bool Editor::drag(const Operation& operation) {
         document_ = std::move(last);
         return false;
     }
-    if (!before_drag_) before_drag_ = std::move(last);
+    if (!before_drag_) {
+        before_drag_ = std::move(last);
+        selected_before_drag_ = selected_;
+    }
     changed();
     return true;
 }
@@ -81,7 +84,7 @@ bool Editor::drag(const Operation& operation) {
 void Editor::end_drag() {
     if (!before_drag_) return;
     if (edit::same_document(*before_drag_, document_)) return cancel_drag();
-    history_.add_step(std::move(*before_drag_), document_, std::exchange(dragged_, {}));
+    history_.add_step(std::move(*before_drag_), document_, std::exchange(dragged_, {}), selected_before_drag_);
     before_drag_.reset();
     changed();
 }
@@ -102,28 +105,28 @@ void Editor::take_back(const std::string& why) {
 void Editor::undo() {
     if (refused()) return;
     end_drag();
-    step("undone", [this] { return history_.undo(document_); });
+    step("undone", &edit::History::undo);
 }
 
 void Editor::redo() {
     if (refused()) return;
     end_drag();
-    step("done again", [this] { return history_.redo(document_); });
+    step("done again", &edit::History::redo);
 }
 
-// Afterwards the index of the selected node may mean another node: then nothing is selected.
-void Editor::step(const char* verb, const std::function<std::optional<std::string>()>& take) {
+void Editor::step(const char* verb, Take take) {
     const stage::StageFile before = document_.file;
+    std::optional<uint32_t> then = selected_;
     try {
-        const std::optional<std::string> what = take();
+        const std::optional<std::string> what = (history_.*take)(document_, &then);
         if (!what) return;
         notify(std::string(verb) + ": " + *what);
     } catch (const InputError& error) {
         return notify(error.what(), true);
     }
-    if (selected_ && node_count() != edit::node_count(before) &&
-        !edit::same_nodes(before, document_.file, size_t{*selected_} + 1))
-        selected_.reset();
+    if (node_count() != edit::node_count(before) &&
+        !(selected_ && edit::same_nodes(before, document_.file, size_t{*selected_} + 1)))
+        selected_ = then;
     changed();
 }
 

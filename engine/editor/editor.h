@@ -56,6 +56,8 @@ class Editor {
     bool dragging() const { return before_drag_.has_value(); }
     // Undoes the last step, or the drag, because the document that it made cannot be drawn; a notice says `why`.
     void take_back(const std::string& why);
+    // Afterwards the node stays selected, unless its number may mean another one now. Then, and where nodes came back
+    // and none is selected, that is selected which was when the document was like that.
     void undo();
     void redo();
     const edit::History& history() const { return history_; }
@@ -76,7 +78,8 @@ class Editor {
     bool refused();
     bool apply(const Operation& operation, std::string& what);
     void changed();
-    void step(const char* verb, const std::function<std::optional<std::string>()>& take);
+    using Take = std::optional<std::string> (edit::History::*)(edit::Document&, std::optional<uint32_t>*);
+    void step(const char* verb, Take take);
     bool open_ = false;
     std::string frozen_;
     edit::Document document_;
@@ -84,6 +87,7 @@ class Editor {
     uint64_t id_ = 0, open_count_ = 0;
     std::optional<uint32_t> selected_;
     std::optional<edit::Document> before_drag_;
+    std::optional<uint32_t> selected_before_drag_;
     std::string dragged_;
     std::vector<Notice> notices_;
 };

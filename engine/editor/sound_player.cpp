@@ -38,7 +38,7 @@ constexpr double kMostDrift_s = 0.06;             // between clock and sound, be
 // The stage at a time of seconds_now().
 struct SoundPlayer::Wanted {
     std::shared_ptr<const stage::Stage> stage;
-    double stage_s = 0, speed = 0, at_s = 0;
+    double stage_s = 0, speed = 0, at_s = 0, volume = 1;
     glm::mat4 world_from_ear{1};
     struct Performer {
         uint32_t number;  // among the stage's
@@ -78,6 +78,7 @@ class SoundPlayer::Output {
         stage_ = wanted.stage;
         speed_ = wanted.speed;
         set_ear(wanted.world_from_ear);
+        alListenerf(AL_GAIN, static_cast<float>(wanted.volume));
         std::erase_if(voices_, [&](const auto& voice) {
             return std::ranges::none_of(wanted.performers, [&](const auto& one) { return one.number == voice.first; });
         });
@@ -227,7 +228,8 @@ SoundPlayer::~SoundPlayer() {
 
 void SoundPlayer::follow(const std::shared_ptr<const stage::Stage>& stage, const stage::EvaluatedStage& evaluated,
                          double speed, const glm::mat4& world_from_ear) {
-    auto wanted = std::make_unique<Wanted>(Wanted{stage, evaluated.time_s, speed, seconds_now(), world_from_ear, {}});
+    auto wanted =
+        std::make_unique<Wanted>(Wanted{stage, evaluated.time_s, speed, seconds_now(), volume_, world_from_ear, {}});
     for (const stage::EvaluatedPerformer& performer : evaluated.performers)
         if (stage && speed != 0 && performer.visible && stage->performers[performer.performer].settings.sound)
             wanted->performers.push_back({performer.performer, glm::vec3(performer.world_from_performer[3])});

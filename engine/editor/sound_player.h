@@ -28,6 +28,9 @@ class SoundPlayer {
     void follow(const std::shared_ptr<const stage::Stage>& stage, const stage::EvaluatedStage& evaluated, double speed,
                 const glm::mat4& world_from_ear);
 
+    // How loud all of it is, 1 as the stage says. It holds from the next follow() on.
+    void set_volume(double volume) { volume_ = volume; }
+
     // A line that says why a sound is not heard; once for each, mostly empty.
     std::string take_problem();
 
@@ -35,6 +38,7 @@ class SoundPlayer {
     struct Wanted;
     class Output;
     void run();
+    double volume_ = 1;
     std::mutex mutex_;  // guards what follows
     std::condition_variable changed_;
     std::unique_ptr<Wanted> wanted_;  // null: nothing new

@@ -77,13 +77,19 @@ ComputeProgram::~ComputeProgram() {
 const ComputeProgram& ComputePrograms::get(const Device& device, const std::string& name,
                                            std::span<const uint32_t> spirv, const std::vector<uint32_t>& constants) {
     Key key{device.shaders().newest(spirv), constants};
-    const std::lock_guard lock(mutex_);
-    auto found = programs_.find(key);
-    if (found == programs_.end()) {
-        auto program = std::make_unique<ComputeProgram>(device, name, key.first, constants);
-        found = programs_.emplace(std::move(key), std::move(program)).first;
+    {
+        const std::lock_guard lock(mutex_);
+        if (const auto found = programs_.find(key); found != programs_.end()) return *found->second;
     }
-    return *found->second;
+    // Two threads may compile the same; the one that ends first is kept.
+    auto program = std::make_unique<ComputeProgram>(device, name, key.first, constants);
+    const std::lock_guard lock(mutex_);
+    return *programs_.try_emplace(std::move(key), std::move(program)).first->second;
+}
+
+size_t ComputePrograms::count() const {
+    const std::lock_guard lock(mutex_);
+    return programs_.size();
 }
 
 }  // namespace neuvv::gpu

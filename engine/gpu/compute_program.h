@@ -38,7 +38,7 @@ class ComputeProgram {
     VkPipeline pipeline_ = VK_NULL_HANDLE;
 };
 
-// The programs of one device. Any thread may use it; while one compiles, others wait.
+// The programs of one device. Any thread may use it, also while another one compiles.
 class ComputePrograms {
   public:
     // The program of the newest version of `spirv` (shader_table.h) with these constants, compiled if it is not there
@@ -47,9 +47,11 @@ class ComputePrograms {
     const ComputeProgram& get(const Device& device, const std::string& name, std::span<const uint32_t> spirv,
                               const std::vector<uint32_t>& constants);
 
+    size_t count() const;
+
   private:
     using Key = std::pair<std::vector<uint32_t>, std::vector<uint32_t>>;  // SPIR-V and constants
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
     std::map<Key, std::unique_ptr<ComputeProgram>> programs_;
 };
 

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/trace_file.h"
+#include "render/warm_up.h"
 
 namespace neuvv::render {
 
@@ -31,6 +32,7 @@ void ClipPreload::run(const Each& each, const std::function<void()>& done) {
     try {
         for (size_t i = 0; i < clips_.size(); i++) {
             read(clips_[i]);
+            prepare_passes();
             if (each && i + 1 < clips_.size()) each(i + 1);
         }
     } catch (const InputError&) {
@@ -39,6 +41,18 @@ void ClipPreload::run(const Each& each, const std::function<void()>& done) {
     }
     done_ = true;
     if (done) done();
+}
+
+// Of the clip that was read last. Without memory for that, the first image of the clip takes longer.
+void ClipPreload::prepare_passes() {
+    {
+        const std::lock_guard lock(mutex_);
+        if (stop_ || kept_.empty()) return;
+    }
+    try {
+        warm_up(files_->device(), kept_.back()->field);
+    } catch (const RuntimeFailure&) {
+    }
 }
 
 void ClipPreload::read(const std::filesystem::path& clip) {

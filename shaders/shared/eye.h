@@ -19,7 +19,15 @@ struct EyePush {
     uint tiles_down;
     float near_m;    // distance along the axis, metres, that has depth 1; depth 0 is infinitely far
     float vignette;  // 0 none, 1 strongest
+    float fade;      // of the whole image: 0 none, 1 black
 };
+
+// The vignette is dark where rays are farther from the optical axis than this, as tangents of the angle: of the weakest
+// and of the strongest one, where it begins and where all is black.
+CONSTEXPR float kWeakFrom = 1.1f;
+CONSTEXPR float kWeakBlack = 1.3f;
+CONSTEXPR float kStrongFrom = 0.4f;
+CONSTEXPR float kStrongBlack = 0.7f;
 
 CONSTEXPR uint kShapePosition = 0u;  // vec3, world, metres
 CONSTEXPR uint kShapeColour = 1u;    // vec4, linear, premultiplied

@@ -86,6 +86,21 @@ TEST_F(SoundPlayerTest, APerformerFourTimesAsFarAwayIsAQuarterAsLoud) {
     EXPECT_NEAR(loudest_at(8) / near, 0.25, 0.03);
 }
 
+TEST_F(SoundPlayerTest, AVolumeOfAQuarterIsAQuarterAsLoud) {
+    evaluated.performers.resize(1);
+    const auto loudest_with = [&](double volume) {
+        {
+            editor::SoundPlayer player;
+            player.set_volume(volume);
+            follow(player, 0, 0.5, 1);
+        }
+        return loudest(media::read_sound(heard));
+    };
+    const double full = loudest_with(1);
+    EXPECT_GT(full, 0.05);
+    EXPECT_NEAR(loudest_with(0.25) / full, 0.25, 0.03);
+}
+
 TEST_F(SoundPlayerTest, AServerThatDoesNotAnswerSilencesNobodyElse) {
     ServedStream served;
     served.start(3);

@@ -2,6 +2,7 @@
 #include "tools/headset/arrange.h"
 
 #include "headset/hands_at_a_stage.h"
+#include "tools/headset/program.h"
 
 namespace neuvv::test {
 namespace {
@@ -84,6 +85,59 @@ TEST_F(ArrangeTest, ACopyStandsBesideTheBodyAndNotBesideItsFloaters) {
     const glm::dvec3 copy(state.evaluated.pose.world_from_node[state.stage->performers[2].node][3]);
     EXPECT_NEAR(copy.x - position("ben").x, 1.1 * 1.6 * (high.x - low.x), 1e-6);
     EXPECT_LT(high.x - low.x, 0.8) << "the floaters are a whole metre apart";
+}
+
+TEST_F(ArrangeTest, NoCopyStandsInsideAnother) {
+    const auto [low, high] = leaves->box_at(0);
+    const double width_m = 1.6 * (high.x - low.x);
+    for (int copy = 0; copy < 4; copy++) {
+        state.editor.select(node("ben"));
+        headset::duplicate_selected(state);
+        show();
+    }
+    std::vector<double> at;
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers)
+        at.push_back(performer.world_from_performer[3].x);
+    ASSERT_EQ(at.size(), 6u);
+    std::sort(at.begin(), at.end());
+    for (size_t i = 1; i < at.size(); i++) EXPECT_GT(at[i] - at[i - 1], 0.94 * width_m) << i;
+}
+
+TEST_F(ArrangeTest, UndoingACopySelectsWhatWasCopiedAndSaysNoNumbersOfNodes) {
+    headset::duplicate_selected(state);
+    show();
+    EXPECT_NE(state.editor.selected(), node("ben"));
+    state.editor.undo();
+    show();
+    EXPECT_EQ(state.editor.selected(), node("ben"));
+    const std::vector<editor::Notice> notices = state.editor.take_notices();
+    ASSERT_FALSE(notices.empty());
+    EXPECT_EQ(headset::without_node_numbers(notices.back().text), "undone: \"ben\": a copy");
+    EXPECT_EQ(headset::without_node_numbers("a (node b) of \"c\" (node 12)"), "a (node b) of \"c\"");
+    state.editor.select(node("anna"));
+    headset::delete_selected(state);
+    show();
+    state.editor.undo();
+    show();
+    EXPECT_EQ(state.editor.selected(), node("anna")) << "what comes back is selected, too";
+}
+
+TEST_F(ArrangeTest, CopiesThatWouldStandInOthersAreRefused) {
+    state.copies = {.count = 2, .distance_m = 3};
+    headset::make_copies(state);
+    show();
+    ASSERT_EQ(state.stage->performers.size(), 4u);
+    const auto planned = headset::planned_copies(state);
+    ASSERT_EQ(planned.size(), 2u);
+    EXPECT_TRUE(planned[0].is_taken && planned[1].is_taken);
+    headset::make_copies(state);
+    show();
+    EXPECT_EQ(state.stage->performers.size(), 4u) << "the same copies once more";
+    EXPECT_TRUE(was_notified("red box"));
+    state.copies.distance_m = 4.5;
+    headset::make_copies(state);
+    show();
+    EXPECT_EQ(state.stage->performers.size(), 6u) << "between the others";
 }
 
 TEST_F(ArrangeTest, ARayThroughAFloatersPartOfTheBoxTakesNobody) {

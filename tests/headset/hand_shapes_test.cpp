@@ -44,6 +44,15 @@ TEST_F(HandShapesTest, ThereIsAFloorWhereThereIsNoSet) {
     headset::draw_floor(shapes, state);
     EXPECT_FALSE(shapes.translucent().empty());
     for (const xr::ShapeVertex& corner : shapes.translucent()) EXPECT_NEAR(corner.position.y, state.floor_m, 0.01);
+    const auto is_dark_at = [&](glm::dvec3 middle) {
+        middle.y = state.floor_m;
+        return std::ranges::any_of(shapes.translucent(), [&](const xr::ShapeVertex& corner) {
+            return glm::distance(glm::dvec3(corner.position), middle) < 0.01 && corner.colour.r == 0 &&
+                   corner.colour.a > 0.5f;
+        });
+    };
+    EXPECT_TRUE(is_dark_at(kAnna) && is_dark_at(kBen)) << "each has a shadow below it";
+    EXPECT_FALSE(is_dark_at({0, 0, -2}));
 }
 
 TEST_F(HandShapesTest, ABrushIsSeenWithinAPerformer) {

@@ -309,6 +309,62 @@ TEST_F(InteractionTest, BareHandsCallThePanelByALongPinchBesideAll) {
     EXPECT_FALSE(state.editor.selected()) << "a short one";
 }
 
+// The left hand throws a teleport's arc that lands where it points, at a point of the floor; the stick is let go after
+// it was pushed in this direction.
+struct TeleportTest : InteractionTest {
+    void aim_at(glm::dvec3 floor_point) {
+        double low = -1.5, high = 0.9;  // the elevation at which the arc lands there
+        const glm::dvec3 across =
+            glm::normalize(glm::dvec3(floor_point.x - kLeftHand.x, 0, floor_point.z - kLeftHand.z));
+        const double wanted_m =
+            glm::distance(glm::dvec2(floor_point.x, floor_point.z), glm::dvec2(kLeftHand.x, kLeftHand.z));
+        for (int i = 0; i < 60; i++) {
+            const double middle = 0.5 * (low + high);
+            point(xr::kLeft, kLeftHand, kLeftHand + std::cos(middle) * across + glm::dvec3(0, std::sin(middle), 0));
+            const auto arc = xr::teleport_arc(*inputs[xr::kLeft].aim, state.floor_m);
+            const bool far = !arc.landing || glm::distance(glm::dvec2(arc.landing->x, arc.landing->z),
+                                                           glm::dvec2(kLeftHand.x, kLeftHand.z)) > wanted_m;
+            (far ? high : low) = middle;
+        }
+    }
+    void teleport(glm::dvec3 floor_point, std::vector<glm::dvec2> sticks = {{0, 1}}) {
+        aim_at(floor_point);
+        for (const glm::dvec2& stick : sticks) {
+            inputs[xr::kLeft].stick = stick;
+            frames(2);
+        }
+        inputs[xr::kLeft].stick = {0, 0};
+        frame();
+    }
+    xr::Pose head_now() const { return xr::world_from_tracking(state.rig) * head; }
+};
+
+TEST_F(TeleportTest, ItGoesBesideAPerformerAndNotIntoIt) {
+    teleport({0.1, 0, -3.5});
+    EXPECT_LT(glm::distance(head_now().position, glm::dvec3(0.1, head.position.y, -3.5)), 0.05) << "where it is free";
+    EXPECT_EQ(interaction.locomotion.shade().fade, 1) << "out of black";
+    frames(60);
+    EXPECT_EQ(interaction.locomotion.shade().fade, 0);
+    state.rig = {};
+    frame();
+    teleport(kBen - glm::dvec3(0.3, 0.8, 0));
+    const glm::dvec3 at = head_now().position;
+    const double outside = std::max(std::abs(at.x - kBen.x), std::abs(at.z - kBen.z));
+    EXPECT_GT(outside, 0.8 + headset::kBesidePerformer_m - 0.01) << at.x << " " << at.z;
+    const double outside_anna = std::max(std::abs(at.x - kAnna.x), std::abs(at.z - kAnna.z));
+    EXPECT_GT(outside_anna, 0.8 + headset::kBesidePerformer_m - 0.01) << "nor into the next one";
+}
+
+TEST_F(TeleportTest, TheSticksDirectionIsTheHeadingAndStepsNoFrames) {
+    const double time_s = state.clock.time_s();
+    teleport({0.1, 0, -3.5}, {{0, 1}, {-0.7, 0.7}, {-1, 0}, {-0.3, 0.2}});
+    EXPECT_NEAR(xr::yaw_of(head_now().rotation), glm::radians(90.0), 1e-6) << "to the left";
+    EXPECT_LT(glm::distance(head_now().position, glm::dvec3(0.1, head.position.y, -3.5)), 0.05);
+    EXPECT_EQ(state.clock.time_s(), time_s);
+    teleport({0.1, 0, -3.5}, {{0, 1}, {0.3, 0.9}});
+    EXPECT_NEAR(xr::yaw_of(head_now().rotation), glm::radians(90.0), 1e-6) << "nearly straight up turns nothing";
+}
+
 TEST_F(InteractionTest, SpeedsStepFromOneToTheNextAndStayInTheirRange) {
     const auto push = [&](double up) {
         inputs[xr::kRight].stick = {0, up};

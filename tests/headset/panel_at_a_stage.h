@@ -7,6 +7,7 @@
 
 #include "headset/hands_at_a_stage.h"
 #include "tools/headset/panel.h"
+#include "tools/headset/panel_surface.h"
 #include "tools/headset/training.h"
 #include "tools/ui/theme.h"
 
@@ -14,13 +15,13 @@ namespace neuvv::test {
 
 class PanelAtAStage : public HandsAtAStage {
   protected:
-    static constexpr float kWidth = 768, kHeight = 1024;  // pixels, as of PanelSurface
+    static constexpr float kWidth = headset::kPanelWidth, kHeight = headset::kPanelHeight;
     PanelAtAStage() {
         ImGui::CreateContext();
         ImGuiIO& io = ImGui::GetIO();
         io.IniFilename = nullptr;
         io.DisplaySize = {kWidth, kHeight};
-        ui::apply_theme(1.75f);
+        ui::apply_theme(headset::kPanelScale);
         io.Fonts->Build();
         draw();
     }
@@ -34,7 +35,12 @@ class PanelAtAStage : public HandsAtAStage {
         io.MousePos = at ? ImVec2{float(at->x) * kWidth, float(at->y) * kHeight} : ImVec2{-FLT_MAX, -FLT_MAX};
         io.MouseDown[0] = pressed;
         ImGui::NewFrame();
-        items = headset::draw_panel(state, interaction, training, {}).items;
+        headset::PanelStatus status;
+        status.head = head;
+        headset::PanelResult result = headset::draw_panel(state, interaction, training, status);
+        items = std::move(result.items);
+        cut_off = std::move(result.cut_off);
+        if (!result.open.empty()) opened = result.open;
         ImGui::Render();
     }
     bool has(const std::string& item) const { return items.contains(item); }
@@ -68,6 +74,8 @@ class PanelAtAStage : public HandsAtAStage {
 
     headset::Training training = headset::Training(jobs);
     std::map<std::string, glm::dvec2> items;  // of the panel that was drawn last
+    std::vector<std::string> cut_off;         // labels that do not fit their buttons
+    std::filesystem::path opened;             // what was chosen last to be opened
 };
 
 }  // namespace neuvv::test

@@ -22,9 +22,10 @@ headset::PlacedBox box_at(glm::dvec3 middle, glm::dvec3 half) {
 
 void expect_inside_the_view(const headset::PanelPlacement& panel, const xr::Pose& head) {
     const glm::dvec3 to_panel = panel.world_from_panel.position - head.position;
-    EXPECT_LE(glm::degrees(angle_between(xr::forward_of(head), to_panel)), 15 + kTiny);
+    EXPECT_LE(angle_between(xr::forward_of(head), to_panel), headset::kPanelAside_rad + kTiny);
     EXPECT_LE(glm::degrees(width_rad(panel, head.position)), 40);
-    EXPECT_GE(glm::degrees(width_rad(panel, head.position)), 20 - kTiny) << "it can be read";
+    EXPECT_GE(width_rad(panel, head.position), headset::kMinPanelWidth_rad - kTiny) << "it can be read";
+    EXPECT_NEAR(glm::length(to_panel), headset::kPanelAway_m, kTiny);
     EXPECT_LT(angle_between(panel.world_from_panel.rotation * glm::dvec3(0, 0, 1), -to_panel), 1e-6)
         << "it faces the head";
     EXPECT_NEAR((panel.world_from_panel.rotation * glm::dvec3(1, 0, 0)).y, 0, kTiny) << "it is level";
@@ -69,7 +70,7 @@ TEST(PanelPlacementTest, WhatFillsTheViewIsCoveredAsLittleAsPossible) {
     const xr::Pose head{{0, 1.5, 0}, {1, 0, 0, 0}};
     for (const double aside_m : {-0.2, 0.2}) {
         const auto panel = headset::panel_in_view(head, box_at({aside_m, 0.8, -1.2}, {0.5, 0.8, 0.2}), false);
-        EXPECT_NEAR(glm::degrees(width_rad(panel, head.position)), 20, 0.01);
+        EXPECT_NEAR(width_rad(panel, head.position), headset::kMinPanelWidth_rad, 1e-4);
         EXPECT_LT(panel.world_from_panel.position.x * aside_m, 0) << "on the side with more room";
     }
 }
@@ -104,6 +105,50 @@ TEST_F(PanelRows, NoRowMovesWhenSomebodyIsSelected) {
         EXPECT_GT(nobody.size(), 10u);
         EXPECT_EQ(nobody, ben) << static_cast<int>(page);
     }
+}
+
+// In dmm: thousandths of the distance.
+TEST_F(PanelRows, ItsTextCanBeReadAndFitsItsButtons) {
+    const double line = ImGui::GetFontSize() / kWidth;  // of the panel's width
+    EXPECT_GE(1000 * line * 2 * std::tan(headset::kMinPanelWidth_rad / 2), 20);
+    const auto expect_fitting = [&](const char* where) {
+        draw_settled();
+        EXPECT_TRUE(cut_off.empty()) << where << ": " << cut_off.front();
+    };
+    for (const PanelPage page : kPages) {
+        state.page = page;
+        items_with(node("ben"));
+        expect_fitting("a page");
+    }
+    for (const HandTool tool : {HandTool::kPaint, HandTool::kRegion, HandTool::kLights, HandTool::kTrain}) {
+        state.tool = tool;
+        expect_fitting("a tool");
+    }
+    state.tool = HandTool::kArrange;
+    state.page = PanelPage::kPerformer;
+    items_with(node("ben"));
+    press("rename");
+    expect_fitting("the keyboard");
+}
+
+TEST_F(PanelRows, WhoSitsIsRaisedAndTheSoundHasAVolume) {
+    state.page = PanelPage::kUser;
+    draw_settled();
+    head.position.y = 1.2;
+    press("seated");
+    EXPECT_GT(state.comfort.raised_m, 0.3);
+    EXPECT_NEAR(state.rig.position.y, state.comfort.raised_m, 1e-9);
+    state.shows_room = true;
+    frame();
+    EXPECT_EQ(state.rig.position.y, 0) << "the user's own floor is where it is";
+    state.shows_room = false;
+    frame();
+    press("seated");
+    EXPECT_EQ(state.comfort.raised_m, 0);
+    EXPECT_NEAR(state.rig.position.y, 0, 1e-9);
+    drag("volume", {-0.2});
+    EXPECT_LT(state.volume_percent, 100);
+    EXPECT_FALSE(state.editor.modified());
 }
 
 TEST_F(PanelRows, EveryItemIsOnThePanel) {

@@ -31,6 +31,52 @@ TEST_F(PerformerEdits, LifeSizeKeepsTheFeet) {
     EXPECT_EQ(undo_all(), 2u);
 }
 
+TEST_F(PerformerEdits, WhoIsBroughtHereFacesTheUser) {
+    state.rig = {{1, 0, 3}, 0.6};
+    state.editor.select(node("ben"));
+    headset::bring_here(state, head);
+    frame();
+    const xr::Pose user = xr::world_from_tracking(state.rig) * head;
+    const glm::dmat4 now = state.evaluated.pose.world_from_node[node("ben")];
+    const glm::dvec3 feet = now * glm::dvec4(0.5, 0, 0.5, 1),
+                     wanted = user * glm::dvec3(0, 0, -headset::kNewPerformer_m);
+    EXPECT_LT(glm::distance(feet, glm::dvec3(wanted.x, state.floor_m, wanted.z)), 1e-6);
+    EXPECT_GT(glm::dot(glm::normalize(glm::dvec3(now[2])), -xr::forward_of(user)), 0.9999) << "its front";
+    EXPECT_NEAR(glm::length(glm::dvec3(now[0])), 1.6, 1e-9) << "as large as before";
+    state.editor.select(node("anna"));
+    headset::bring_here(state, head);
+    frame();
+    EXPECT_GT(glm::distance(position("anna"), position("ben")), 1.6) << "beside ben, who stands there";
+    EXPECT_EQ(undo_all(), 2u);
+}
+
+TEST_F(PerformerEdits, AStageThatIsTooLargeFitsToTheRoomInOneStep) {
+    const auto extent = [&] {
+        glm::dvec3 low(INFINITY), high(-INFINITY);
+        for (const stage::EvaluatedPerformer& performer : state.evaluated.performers)
+            for (const glm::dvec3& corner : {glm::dvec3(0), glm::dvec3(1)}) {
+                const glm::dvec3 at = performer.world_from_performer * glm::dvec4(corner, 1);
+                low = glm::min(low, at);
+                high = glm::max(high, at);
+            }
+        return std::pair{low, high};
+    };
+    const auto [low_before, high_before] = extent();
+    ASSERT_NEAR(high_before.x - low_before.x, 3.2, 1e-9);
+    headset::fit_to_room(state, head, {2.4, 2});
+    frame();
+    const auto [low, high] = extent();
+    EXPECT_NEAR(high.x - low.x, 2.4, 1e-6);
+    EXPECT_NEAR(low.y, state.floor_m, 1e-6);
+    EXPECT_NEAR(high.z, head.position.z - headset::kNewPerformer_m, 1e-6) << "before the user";
+    EXPECT_NEAR(position("ben").x - position("anna").x, 1.6 * 2.4 / 3.2, 1e-6) << "in the same order";
+    EXPECT_EQ(undo_all(), 1u);
+    frame();
+    headset::fit_to_room(state, head, {8, 8});
+    frame();
+    EXPECT_NEAR(extent().second.x - extent().first.x, 3.2, 1e-6) << "nobody grows";
+}
+
 TEST_F(PerformerEdits, WhoIsHiddenIsNotPointedAtAndComesBack) {
     select(kBen);
     headset::hide_selected(state);

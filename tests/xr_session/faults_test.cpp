@@ -77,6 +77,22 @@ TEST_F(Faults, ALostRuntimeIsWaitedFor) {
     expect_copy_is_kept(2);
 }
 
+// A runtime that is started again does not take sessions at once, and its headset is not there yet.
+TEST_F(Faults, ARuntimeThatComesBackSlowlyIsWaitedFor) {
+    XrScript script = editing();
+    script.event(14, "lose_instance");
+    script.json["fail"] = {
+        {{"function", "xrGetSystem"}, {"result", "XR_ERROR_FORM_FACTOR_UNAVAILABLE"}, {"skip", 1}},
+        {{"function", "xrCreateSession"}, {"result", "XR_ERROR_LIMIT_REACHED"}, {"skip", 1}},
+        {{"function", "xrCreateInstance"}, {"result", "XR_ERROR_INITIALIZATION_FAILED"}, {"skip", 1}}};
+    script.end(28);
+    const XrRun run = this->run(script, {}, false);
+    EXPECT_EQ(run.code, 0) << run.log;
+    expect_no_violations(run);
+    EXPECT_EQ(count(run.log, "waiting for it"), 1u) << run.log;
+    expect_copy_is_kept();
+}
+
 // As on a GPU, where the next image is recorded while the device draws this one.
 TEST_F(Faults, ImagesThatOverlapAreTheSameAndOutliveLosses) {
     XrScript script = editing();

@@ -7,16 +7,21 @@ namespace neuvv::test {
 namespace {
 
 struct Pointing : XrSession {
-    // The ray from kRightHand to anna's head goes through the upper right part of ben's box, where ben has no leaf.
+    // The ray from kRightHand to anna's head goes through the upper right part of ben's box, where ben has no leaf. The
+    // user stands at kStart, below the camera, as ben is nearer than anna.
+    static constexpr glm::dvec3 kStart = glm::dvec3(0, 0, 1);
     void add_ben() const {
         stage::StageFile file = stage::read_stage_file(stage);
         add_figure(file, "ben", {-1.31, 0, -2});
+        edit::Placement placement;
+        placement.move = kStart;
+        edit::place_node(file, edit::find_node(file, "camera"), placement);
         stage::save_stage_file(file, stage);
     }
     static constexpr glm::dvec3 kAnnaHead = glm::dvec3(-0.08, 0.992, -2), kBenHead = glm::dvec3(-0.59, 0.992, -1.2);
     static XrScript clicking_at(glm::dvec3 target) {
         XrScript script;
-        script.hand(0, "right", kRightHand, target);
+        script.hand(0, "right", kRightHand, target - kStart);
         script.hand(0, "left", kLeftHand, {-3, 1, -4});
         script.click(kReady + 2, "right", "trigger/value");
         script.end(kReady + 8);
@@ -40,8 +45,8 @@ TEST_F(Pointing, AHandFeelsThatAnotherPerformerComesUnderItsRay) {
     script.hand(0, "left", kLeftHand, {-3, 4, 0});
     script.end(kReady + 10);
     const XrRun nobody = run(script);
-    script.hand(kReady + 2, "right", kRightHand, kAnnaHead);
-    script.hand(kReady + 5, "right", kRightHand, kBenHead);
+    script.hand(kReady + 2, "right", kRightHand, kAnnaHead - kStart);
+    script.hand(kReady + 5, "right", kRightHand, kBenHead - kStart);
     const XrRun both = run(script);
     expect_clean(both);
     EXPECT_EQ(nobody.report["haptics"].size(), 0u);

@@ -262,6 +262,21 @@ TEST_F(Watching, TheStagePausesWhileNobodyWearsTheHeadset) {
     EXPECT_TRUE(playing_at(16, "XR_KHR_visibility_mask")) << "where the runtime does not say it";
 }
 
+TEST_F(Watching, TheStagePausesWhileAMenuOfTheSystemIsInFront) {
+    const auto playing_at = [&](int frame) {
+        XrScript script;
+        script.click(kReady, "right", "a/click");
+        script.event(12, "visible");
+        script.event(20, "focus");
+        script.end(frame);
+        const XrRun run = this->run(script, {}, false);
+        expect_sound(run);
+        return run.seen["playing"].get<bool>();
+    };
+    EXPECT_FALSE(playing_at(16));
+    EXPECT_TRUE(playing_at(26)) << "it goes on";
+}
+
 TEST_F(Watching, ControllersOfExtensionsAreTakenWhereTheseAreOffered) {
     const std::pair<const char*, const char*> controllers[] = {
         {"/interaction_profiles/facebook/touch_controller_pro", "Meta Quest Pro"},

@@ -120,7 +120,7 @@ class XrFrames {
     }
     render::FrameRenderer::Then record() {
         return [this](gpu::Commands& commands, const gpu::Buffer& images) {
-            pass_.record(commands, renderer_, images, cameras_, {}, 0, targets_.target);
+            pass_.record(commands, renderer_, images, cameras_, {}, {}, targets_.target);
         };
     }
     const stage::Stage& stage_;

@@ -175,7 +175,7 @@ render::FrameSettings EyeImages::settings_of(const render::StageRenderer& render
 void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated,
                      const render::PerformerHighlight& highlight, const xr::EyeViews& eyes,
                      const xr::Pose& world_from_tracking, std::span<const render::Instance> next,
-                     const xr::EyeShapes& shapes, double vignette, double budget_ms) {
+                     const xr::EyeShapes& shapes, const xr::EyeShade& shade, double budget_ms) {
     update_hidden_triangles(renderer, eyes);
     choose_size(budget_ms, has_drawn_ ? renderer.frames().device_milliseconds() : 0);
     for (uint32_t view = 0; view < cameras_.size(); view++)
@@ -186,7 +186,7 @@ void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStag
     const xr::EyeTarget target{colour_->image(index), depth_ ? depth_->image(depth) : fallback_depth_.image,
                                colour_->view(index), depth_ ? depth_->view(depth) : fallback_depth_.view, drawn_size_};
     const auto record = [&](gpu::Commands& commands, const gpu::Buffer& images) {
-        pass_.record(commands, renderer, images, cameras_, shapes, vignette, target);
+        pass_.record(commands, renderer, images, cameras_, shapes, shade, target);
         if (left_) record_left(commands, target.colour);
     };
     if (overlaps_)

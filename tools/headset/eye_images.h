@@ -56,12 +56,12 @@ class EyeImages {
     void look_at(const std::optional<glm::dvec3>& point_world) { looks_at_ = point_world; }
     // Draws what the renderer shows (StageRenderer::show) for all views, and prefetches the slices in `next`, all in
     // one submission, for which nobody waits where images_overlap(). `highlight` says which
-    // parts of a performer are red. `eyes` are in the tracking space. `vignette` says how dark the edges are, 0..1.
-    // `budget_ms` is the time that an image may take, for EyeQuality::scale 0.
+    // parts of a performer are red. `eyes` are in the tracking space. `budget_ms` is the time that an image may take,
+    // for EyeQuality::scale 0.
     void draw(render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated,
               const render::PerformerHighlight& highlight, const xr::EyeViews& eyes,
               const xr::Pose& world_from_tracking, std::span<const render::Instance> next, const xr::EyeShapes& shapes,
-              double vignette, double budget_ms);
+              const xr::EyeShade& shade, double budget_ms);
     // The layer with the images that were drawn last; it is valid until the next call. With `over_layers`, what is
     // beneath is seen where their alpha is below 1: panels through holes, and the room.
     const XrCompositionLayerBaseHeader* layer(const xr::Session& session, bool over_layers);

@@ -37,6 +37,7 @@ struct Hand {
     bool long_press = false;           // the press has had an effect as a long press
     bool deselect_on_release = false;  // unless the press becomes a long one
     bool aiming_teleport = false;      // the stick is pushed
+    double teleport_turn_rad = 0;      // by how much to the left it is turned from its upper end
     double vibration = 0;              // strength 0..1 that this frame asks for
 
     // Whether a press has begun that nothing has reacted to yet: true once for each press, in the frame in which it

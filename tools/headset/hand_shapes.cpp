@@ -1,5 +1,8 @@
 #include "tools/headset/hand_shapes.h"
 
+#include <cmath>
+
+#include "base/box.h"
 #include "media/colour.h"
 #include "tools/headset/arrange.h"
 #include "tools/headset/markers.h"
@@ -67,10 +70,11 @@ void draw_planned_copies(xr::EyeShapes& shapes, const HeadsetState& state) {
     if (!performer) return;
     const auto [low, high] = editor::box_of(state, *performer);
     const glm::dvec3 middle(0.5 * (low.x + high.x), low.y, 0.5 * (low.z + high.z)), front(middle.x, low.y, high.z);
-    for (const glm::dmat4& world_from_copy : planned_copies(state)) {
-        shapes.box_edges(world_from_copy, low, high, 0.004, kGreen);
-        shapes.line(world_from_copy * glm::dvec4(middle, 1), world_from_copy * glm::dvec4(front, 1), 0.01, kGreen,
-                    kGreen);
+    for (const auto& [world_from_copy, is_taken] : planned_copies(state)) {
+        const glm::vec4 colour = is_taken ? kRed : kGreen;
+        shapes.box_edges(world_from_copy, low, high, 0.004, colour);
+        shapes.line(world_from_copy * glm::dvec4(middle, 1), world_from_copy * glm::dvec4(front, 1), 0.01, colour,
+                    colour);
     }
 }
 
@@ -125,19 +129,55 @@ void draw_brush(xr::EyeShapes& shapes, const HeadsetState& state, const Interact
     }
 }
 
-void draw_arc(xr::EyeShapes& shapes, const xr::Arc* arc) {
+// Where the teleport leads, and an arrow in the heading that the user will have there, where that changes.
+void draw_arc(xr::EyeShapes& shapes, const xr::Arc* arc, std::optional<double> yaw_rad) {
     if (!arc) return;
     shapes.path(arc->points, 0.012, arc->landing ? kGreen : kRed);
-    if (arc->landing) shapes.ring(*arc->landing + glm::dvec3(0, 0.01, 0), 0.22, 0.04, kGreen);
+    if (!arc->landing) return;
+    const glm::dvec3 middle = *arc->landing + glm::dvec3(0, 0.01, 0);
+    shapes.ring(middle, 0.22, 0.04, kGreen);
+    if (!yaw_rad) return;
+    const auto at = [&](double x, double z) { return middle + xr::turn_by(*yaw_rad) * glm::dvec3(x, 0, z); };
+    shapes.path(std::array{at(0, 0.15), at(0, -0.5)}, 0.03, kGreen);
+    shapes.path(std::array{at(-0.12, -0.36), at(0, -0.5), at(0.12, -0.36)}, 0.03, kGreen);
+}
+
+}  // namespace
+
+namespace {
+
+// Below what is solid of each performer; fainter the higher it floats.
+void draw_contact_shadows(xr::EyeShapes& shapes, const HeadsetState& state) {
+    constexpr double kWider = 1.25, kFades_m = 0.4;
+    constexpr float kDarkness = 0.85f;
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
+        if (!performer.visible) continue;
+        const auto [low, high] = editor::box_of(state, performer.performer);
+        const glm::dmat4& world = performer.world_from_performer;
+        const double above_m = std::abs(above_floor(world, low, high, state.floor_m));
+        const auto alpha = static_cast<float>(kDarkness * performer.opacity * std::exp(-above_m / kFades_m));
+        if (!(alpha > 0.01f)) continue;
+        glm::dvec3 middle = world * glm::dvec4(0.5 * (low + high), 1);
+        middle.y = state.floor_m;
+        const auto half = [&](int axis) {
+            const glm::dvec3 along(world[axis].x, 0, world[axis].z);
+            return 0.5 * kWider * (high[axis] - low[axis]) * along;
+        };
+        shapes.ellipse(middle, half(0), half(2), {0, 0, 0, alpha}, {0, 0, 0, 0});
+    }
 }
 
 }  // namespace
 
 void draw_floor(xr::EyeShapes& shapes, const HeadsetState& state) {
     constexpr int kLinesPerSide = 4;
+    constexpr double kFloor_m = 6;
     constexpr glm::vec4 kLine{0.25f, 0.27f, 0.3f, 0.5f}, kFadedLine{0.25f, 0.27f, 0.3f, 0};
+    constexpr glm::vec4 kFloor{0.06f, 0.063f, 0.07f, 0.9f}, kFloorRim{0.06f, 0.063f, 0.07f, 0};
     if (editor::has_set(*state.stage)) return;
     const glm::dvec3 middle(std::round(state.rig.position.x), state.floor_m, std::round(state.rig.position.z));
+    shapes.ellipse({state.head.x, state.floor_m, state.head.z}, {kFloor_m, 0, 0}, {0, 0, kFloor_m}, kFloor, kFloorRim);
+    draw_contact_shadows(shapes, state);
     for (int i = -kLinesPerSide; i <= kLinesPerSide; i++)
         for (const glm::dvec3& along : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)}) {
             const glm::dvec3 beside(along.z, 0, along.x), at = middle + double(i) * beside;
@@ -165,7 +205,7 @@ void draw_interaction(xr::EyeShapes& shapes, const HeadsetState& state, const In
         draw_ray(shapes, hand, grabbed_m, aims_lights);
     }
     draw_brush(shapes, state, interaction);
-    draw_arc(shapes, interaction.locomotion.arc());
+    draw_arc(shapes, interaction.locomotion.arc(), interaction.locomotion.arc_yaw());
     if (interaction.panel) shapes.hole(interaction.panel->world_from_panel, interaction.panel->size_m);
 }
 

@@ -7,7 +7,8 @@
 
 namespace neuvv::headset {
 
-// A grid of lines one metre apart around the user, where the stage has no set to stand on.
+// Where the stage has no set to stand on: a floor around the user with lines one metre apart, and a shadow on it below
+// each performer, which shows where it stands.
 void draw_floor(xr::EyeShapes& shapes, const HeadsetState& state);
 void draw_interaction(xr::EyeShapes& shapes, const HeadsetState& state, const Interaction& interaction);
 // The joints of a bare hand, which are in the tracking space.

@@ -14,6 +14,8 @@ namespace neuvv::headset {
 
 namespace {
 
+constexpr const char* kWindowTitle = "NeuVV in a headset";
+
 void request_refresh_rate(const Program& program, SessionContext& session) {
     if (!program.options.refresh_hz) return;
     const std::vector<float> rates = session.xr_session.refresh_rates();
@@ -63,20 +65,31 @@ xr::SessionStatus run_session(Program& program, RuntimeContext& context) {
 // A timeout for retries, which begins anew whenever frames have been drawn.
 class RetryLimit {
   public:
-    explicit RetryLimit(const Program& program) : program_(program), frames_(program.frames) {}
-    // To be called after a failure: pauses before the next try. Throws RuntimeFailure after the timeout.
+    explicit RetryLimit(Program& program) : program_(program), frames_(program.frames) {}
+    // To be called after a failure: pauses before the next try, while the window stays alive. Throws RuntimeFailure
+    // after the timeout.
     void wait(const std::string& why) {
         if (program_.frames != frames_) from_ = Clock::now();
         has_run_ |= program_.frames != frames_;
         frames_ = program_.frames;
         if (seconds_since(from_) > program_.options.retry_s)
             throw RuntimeFailure(fmt::format("the headset's runtime does not come back: {}", why));
-        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        if (program_.window) program_.window->set_title("NeuVV waits for the headset");
+        for (const Clock::time_point from = Clock::now(); seconds_since(from) < kPause_s;) {
+            program_.keep_window_alive();
+            if (stop_requested() || program_.leaving) return;
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+        if (program_.window) program_.window->set_title(kWindowTitle);
     }
     bool has_run() const { return has_run_ || program_.frames != frames_; }
+    // Whether frames were drawn, but none since the last failure: what fails now does so because what was lost has not
+    // come back yet.
+    bool is_waiting() const { return has_run_ && program_.frames == frames_; }
 
   private:
-    const Program& program_;
+    static constexpr double kPause_s = 0.3;
+    Program& program_;
     uint64_t frames_;
     bool has_run_ = false;
     Clock::time_point from_ = Clock::now();
@@ -94,7 +107,8 @@ void run_sessions(Program& program, RuntimeContext& context) {
             if (run_session(program, context) == xr::SessionStatus::kEnded) return context.print_validation_messages();
         } catch (const xr::XrFailure& failure) {
             program.interaction.release_all(program.state);
-            if (!failure.session_lost() || !retries.has_run()) throw;
+            const bool may_come = failure.session_lost() || (retries.is_waiting() && !failure.instance_lost());
+            if (!may_come || !retries.has_run()) throw;
             why = failure.what();
         }
         context.print_validation_messages();
@@ -102,6 +116,7 @@ void run_sessions(Program& program, RuntimeContext& context) {
         program.state.editor.notify("the headset's session was lost; another one begins");
         program.notify();
         retries.wait(why);
+        if (stop_requested() || program.leaving) return;
     }
 }
 
@@ -117,9 +132,12 @@ void run_runtimes(Program& program) {
             return;
         } catch (const xr::XrFailure& failure) {
             program.interaction.release_all(program.state);
-            if (!failure.instance_lost() || !retries.has_run()) throw;
+            const bool is_waiting = retries.is_waiting();
+            if (!is_waiting && (!failure.instance_lost() || !retries.has_run())) throw;
             why = failure.what();
-            print_line("the headset's runtime was lost; waiting for it");
+            if (!is_waiting)
+                print_line(fmt::format("the headset's runtime was lost; waiting for it, {:.0f} s at most",
+                                       program.options.retry_s));
         } catch (const gpu::VulkanError& failure) {
             program.interaction.release_all(program.state);
             if (failure.out_of_memory() || !retries.has_run()) throw;
@@ -140,6 +158,7 @@ void run_runtimes(Program& program) {
         if (stop_requested() || program.leaving) return;
         return_freed_memory();  // runtime, device and renderer are gone
         retries.wait(why);
+        if (stop_requested() || program.leaving) return;
     }
 }
 
@@ -150,7 +169,7 @@ void run_headset(const HeadsetOptions& options) {
     catch_hangup();
     Program program(options);
     program.open();
-    if (options.mirror) program.window = std::make_unique<ui::Window>("NeuVV in a headset", ui::WindowGeometry{});
+    if (options.mirror) program.window = std::make_unique<ui::Window>(kWindowTitle, ui::WindowGeometry{});
     const auto save_all = [&] {
         program.finish();
         program.jobs.stop();
@@ -162,7 +181,7 @@ void run_headset(const HeadsetOptions& options) {
         if (program.saver->autosave.store_now())
             print_line(
                 fmt::format("unsaved edits are kept: `neuvv xr '{0}' --recover` or `neuvv view '{0}'` takes them",
-                            options.file.string()));
+                            program.opened.string()));
     };
     try {
         run_runtimes(program);

@@ -28,7 +28,7 @@ struct HeadsetOptions {
     // Where to write, at the end, the last state and the positions of the panel's buttons, for programs that drive this
     // one; empty: nowhere.
     std::filesystem::path report;
-    double retry_s = 20;  // timeout: how long to wait for a lost runtime
+    double retry_s = 120;  // timeout: how long to wait for a lost runtime, which users start again by hand
 };
 
 // Returns when the user leaves. Throws RuntimeFailure or InputError with a message of one line; unsaved edits have been

@@ -2,6 +2,7 @@
 // neither OpenXR nor a device, so hands change it in a test as they do in the program.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -23,7 +24,7 @@ inline bool paints(HandTool tool) {
 enum class PanelPage { kPerformer, kTime, kCopies, kStage, kUser };
 
 // What stands on the panel in place of the tool's rows.
-enum class PanelDialogue { kNone, kKeyboard, kClips };
+enum class PanelDialogue { kNone, kKeyboard, kClips, kFiles };
 
 // A performer that is being added. It is no part of the document before its clip has been read, and its feet are not
 // known before its clip is on the stage.
@@ -34,12 +35,31 @@ struct NewPerformer {
     bool is_shown = false;  // the document has the performer, as the preview of an edit (Editor::drag)
 };
 
+// What is being opened in place of the document.
+struct NextDocument {
+    std::filesystem::path path;              // or an address
+    std::optional<edit::Document> document;  // once it has been read
+    size_t clips_read = 0, clips = 0;        // 0 clips: it is not known yet how many there are
+    bool is_read = false;                    // the clips, too; whoever draws the stage sets it
+};
+
 struct Comfort {
     bool smooth_walk = false;  // else the user teleports
     bool smooth_turn = false;  // else the user turns in steps of snap_deg
     double snap_deg = 30, turn_deg_per_s = 90, walk_m_per_s = 1.6;
     bool vignette = true;  // dark edges of the image while the user moves smoothly
+    // How far the user's floor is raised above the stage's, so that who sits sees what somebody sees who stands. Not
+    // while the user's own room is shown, whose floor is where it is.
+    double raised_m = 0;
 };
+constexpr double kLowest_m = -0.5, kHighest_m = 1;  // of Comfort::raised_m
+// Comfort::raised_m with which this head (tracking space) is as high as that of somebody who stands.
+inline double raised_to_stand(const xr::Pose& head) {
+    constexpr double kEyes_m = 1.6, kSeated_m = 0.4;
+    const double missing_m = kEyes_m - head.position.y;
+    return missing_m > 0 ? std::min(missing_m, kHighest_m) : kSeated_m;
+}
+constexpr double kMostVolume_percent = 200;
 
 constexpr double kMinBrush_m = 0.01, kMaxBrush_m = 0.4, kMinBrushOpacity = 0.05;
 struct HandBrush {
@@ -59,6 +79,7 @@ struct HeadsetState : editor::StageState {
     // The heading that is straight ahead: that with which the user began, turned by each turn since.
     double ahead_rad = 0;
     double floor_m = 0;               // height in the world: where user and performers stand
+    double raised_m = 0;              // Comfort::raised_m as `rig` has it
     std::optional<uint32_t> trainer;  // the performer with whom the user trains, while the stage has it
     HandTool tool = HandTool::kArrange;
     PanelPage page = PanelPage::kPerformer;
@@ -68,6 +89,9 @@ struct HeadsetState : editor::StageState {
     uint32_t typed_for = 0;                    // the node that the keyboard renames
     std::vector<std::filesystem::path> clips;  // that PanelDialogue::kClips offers
     std::optional<NewPerformer> new_performer;
+    std::filesystem::path folder;  // that PanelDialogue::kFiles lists
+    bool types_address = false;    // the keyboard is for the address of a stream, and renames nobody
+    std::optional<NextDocument> next_document;
     Comfort comfort;
     HandBrush brush;
     // Whether to show the user's own room; nothing: as the headset's runtime prefers.
@@ -84,6 +108,8 @@ struct HeadsetState : editor::StageState {
     }
     bool left_handed = false;  // the hands have each other's roles
     bool hints = true;         // labels at the controllers say what their buttons do
+    bool shows_frame_times = false;
+    double volume_percent = 100;
     // The hand that has the role of this hand, and the other way round.
     int hand_of(int role) const { return left_handed ? xr::kHands - 1 - role : role; }
     // The frame of its clip that a performer of the stage shows.

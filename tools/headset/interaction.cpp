@@ -48,6 +48,8 @@ void Interaction::update(HeadsetState& state, const xr::HandInputs& inputs, cons
     if (!state.is_behind()) select(state);
     if (!state.is_behind()) grab.update(state, hands, dt_s);
     if (!state.is_behind()) lights.update(state, hands, dt_s);
+    for (int which = 0; which < xr::kHands; which++)
+        used_buttons[which].grab |= grab.is_grabbing(which) || lights.is_holding(which);
     if (!state.is_behind()) painter.update(state, hands);
     if (!state.is_behind())
         for (Hand& hand : hands) hand.press_pending = false;
@@ -94,7 +96,7 @@ void Interaction::update_panel(HeadsetState& state, const xr::Pose& head) {
         left.input.lacks_menu && left.select_down_s > kPanelPress_s && !left.long_press &&
         (left.pressed_on.target == PointerHit::Target::kNothing || left.pressed_on.target == PointerHit::Target::kSet ||
          left.pressed_on.target == PointerHit::Target::kFloor);
-    if (long_press_on_nothing) left.long_press = true;
+    if (long_press_on_nothing) left.long_press = used_buttons[xr::kLeft].menu = true;
     if (left.input.menu || hands[xr::kRight].input.menu || long_press_on_nothing)
         state.panel_visible = !state.panel_visible;
     if (!state.panel_visible) {
@@ -195,6 +197,7 @@ void Interaction::change_speed(HeadsetState& state, Hand& hand) {
 void Interaction::step_through(HeadsetState& state, Hand& hand) {
     const int steps = hand.flick.went_right() - hand.flick.went_left();
     if (steps == 0 || hand.hit.target == PointerHit::Target::kPanel || state.comfort.smooth_walk) return;
+    if (hand.aiming_teleport) return;  // the stick says where the user will look
     if (state.clock.playing)
         state.clock.scrub(std::clamp(state.clock.time_s() + steps, state.clock.in_s(), state.clock.last_s()));
     else

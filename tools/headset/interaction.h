@@ -19,6 +19,7 @@ struct PanelPointer {
 // Which buttons of a hand the user has used since the program began.
 struct UsedButtons {
     bool select = false, grab = false, stick = false, menu = false, play = false, undo = false, duplicate = false;
+    bool any() const { return select || grab || stick || menu || play || undo || duplicate; }
 };
 
 class Interaction {

@@ -17,7 +17,8 @@ namespace neuvv::headset {
 namespace {
 
 // Heights of the panel's parts, in frame heights: they stay where they are, whatever is selected.
-constexpr float kFileRow = 1.3f, kNoticeLines = 3.2f;
+constexpr float kFileRow = 1.3f, kNoticeLines = 2.2f;
+constexpr float kTimeShare = 0.62f;  // of the row of time and speed
 
 void time_rows(Rows& rows) {
     editor::StageClock& clock = rows.state.clock;
@@ -37,11 +38,12 @@ void time_rows(Rows& rows) {
     if (rows.icon_button("loop", ICON_LOOP, "Again and again", one, clock.loops)) clock.loops = !clock.loops;
 
     auto seconds = static_cast<float>(clock.time_s());
-    ImGui::SetNextItemWidth(-1);
+    ImGui::SetNextItemWidth(kTimeShare * ImGui::GetContentRegionAvail().x);
     if (ImGui::SliderFloat("##time", &seconds, 0, static_cast<float>(clock.duration_s()),
                            fmt::format("%.2f of {:.2f} s", clock.duration_s()).c_str()))
         clock.scrub(seconds);
     rows.record_item("time");
+    ImGui::SameLine();
     ImGui::BeginDisabled(rows.training.is_running());  // which has a speed of its own
     auto speed = static_cast<float>(std::abs(clock.speed));
     ImGui::SetNextItemWidth(-1);
@@ -52,37 +54,27 @@ void time_rows(Rows& rows) {
 }
 
 void tool_row(Rows& rows) {
-    const float one = column_width(5);
-    const auto tool = [&](const char* name, const char* label, HandTool which) {
-        if (!rows.button(name, label, one, rows.state.tool == which)) return;
+    constexpr const char* kNames[] = {"arrange", "paint", "region", "lights", "train"};
+    const std::vector<const char*> labels = {"Arrange", "Paint", "Region", "Lights", "Train"};
+    const std::vector<float> widths = fitted_widths(labels);
+    for (size_t i = 0; i < labels.size(); i++) {
+        const auto which = static_cast<HandTool>(i);
+        if (i > 0) ImGui::SameLine();
+        if (!rows.button(kNames[i], labels[i], widths[i], rows.state.tool == which)) continue;
         rows.state.tool = which;
         rows.state.dialogue = PanelDialogue::kNone;
-    };
-    tool("arrange", ICON_MOVE " Arrange", HandTool::kArrange);
-    ImGui::SameLine();
-    tool("paint", ICON_BRUSH " Paint", HandTool::kPaint);
-    ImGui::SameLine();
-    tool("region", ICON_BOX " Region", HandTool::kRegion);
-    ImGui::SameLine();
-    tool("lights", ICON_LIGHT " Lights", HandTool::kLights);
-    ImGui::SameLine();
-    tool("train", ICON_PERSON " Train", HandTool::kTrain);
+    }
 }
 
 void page_row(Rows& rows) {
-    const float one = column_width(5);
-    const auto page = [&](const char* name, const char* label, PanelPage which) {
-        if (rows.button(name, label, one, rows.state.page == which)) rows.state.page = which;
-    };
-    page("performer page", "Performer", PanelPage::kPerformer);
-    ImGui::SameLine();
-    page("time page", "Time", PanelPage::kTime);
-    ImGui::SameLine();
-    page("copies page", "Copies", PanelPage::kCopies);
-    ImGui::SameLine();
-    page("stage page", "Stage", PanelPage::kStage);
-    ImGui::SameLine();
-    page("user page", "You", PanelPage::kUser);
+    constexpr const char* kNames[] = {"performer page", "time page", "copies page", "stage page", "user page"};
+    const std::vector<const char*> labels = {"Performer", "Time", "Copies", "Stage", "You"};
+    const std::vector<float> widths = fitted_widths(labels);
+    for (size_t i = 0; i < labels.size(); i++) {
+        const auto which = static_cast<PanelPage>(i);
+        if (i > 0) ImGui::SameLine();
+        if (rows.button(kNames[i], labels[i], widths[i], rows.state.page == which)) rows.state.page = which;
+    }
 }
 
 void name_row(Rows& rows) {
@@ -93,10 +85,12 @@ void name_row(Rows& rows) {
     if (rows.button("hide", ICON_EYE_OFF " Hide", one)) hide_selected(state);
     ImGui::SameLine();
     if (rows.button("rename", "Rename", one)) {
+        state.types_address = false;
         state.typed_for = *state.editor.selected();
         state.typed = edit::name_of(state.editor.file(), state.typed_for);
         state.dialogue = PanelDialogue::kKeyboard;
     }
+    if (rows.button("bring here", ICON_MOVE " Bring here", one)) bring_here(state, rows.status.head);
 }
 
 void grab_rows(Rows& rows) {
@@ -142,7 +136,7 @@ void picture_button(Rows& rows, float width) {
 
 void tip_rows(Rows& rows) {
     HandBrush& brush = rows.state.brush;
-    const float one = column_width(3);
+    const float one = 0.9f * column_width(4);  // what is left is the picture's, which has the name of a file
     const bool has_tip = brush.mode != HandBrush::Mode::kPicture;
     const auto tip = [&](const char* name, const char* label, HandBrush::Tip which) {
         if (rows.button(name, label, one, has_tip && brush.tip == which)) {
@@ -153,7 +147,7 @@ void tip_rows(Rows& rows) {
     };
     tip("ball", "Ball", HandBrush::Tip::kBall);
     tip("box", "Box", HandBrush::Tip::kBox);
-    picture_button(rows, one);
+    picture_button(rows, column_width(1));
     auto centimetres = static_cast<float>(100 * brush.radius_m);
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##radius", &centimetres, 100 * kMinBrush_m, 100 * kMaxBrush_m, "radius %.0f cm",
@@ -201,19 +195,32 @@ void region_rows(Rows& rows) {
 }
 
 void user_rows(Rows& rows) {
-    Comfort& comfort = rows.state.comfort;
-    rows.result.to_start = rows.button("to start", "Back to the start", column_width(2));
+    HeadsetState& state = rows.state;
+    Comfort& comfort = state.comfort;
+    const float half = column_width(2), second = ImGui::GetCursorPosX() + half + ImGui::GetStyle().ItemSpacing.x;
+    rows.result.to_start = rows.button("to start", "Back to the start", half);
+    ImGui::SameLine();
+    bool is_seated = comfort.raised_m > 0;
+    if (rows.toggle("seated", "Seated", half, is_seated))
+        comfort.raised_m = is_seated ? raised_to_stand(rows.status.head) : 0;
+    rows.slider("height", "raised by %.2f m", comfort.raised_m, kLowest_m, kHighest_m);
+    rows.slider("volume", "volume %.0f %%", state.volume_percent, 0, kMostVolume_percent);
     rows.checkbox("smooth walk", "Walk smoothly", &comfort.smooth_walk);
+    ImGui::SameLine(second);
     rows.checkbox("smooth turn", "Turn smoothly", &comfort.smooth_turn);
-    rows.checkbox("vignette", "Dark edges while moving", &comfort.vignette);
-    rows.checkbox("wrist", "Panel on the wrist", &rows.state.panel_on_wrist);
-    rows.checkbox("left-handed", "Left-handed", &rows.state.left_handed);
-    rows.checkbox("hints", "Hints at the buttons", &rows.state.hints);
-    bool room = rows.state.shows_room;
-    if (rows.checkbox("room", "Show your own room", &room)) {
-        rows.state.wants_room = room;
-        rows.state.refused_room = false;
+    rows.checkbox("vignette", "Dark edges", &comfort.vignette);
+    ImGui::SameLine(second);
+    rows.checkbox("hints", "Button hints", &state.hints);
+    rows.checkbox("wrist", "Panel on wrist", &state.panel_on_wrist);
+    ImGui::SameLine(second);
+    rows.checkbox("left-handed", "Left-handed", &state.left_handed);
+    bool room = state.shows_room;
+    if (rows.checkbox("room", "Your own room", &room)) {
+        state.wants_room = room;
+        state.refused_room = false;
     }
+    ImGui::SameLine(second);
+    rows.checkbox("frame times", "Frame times", &state.shows_frame_times);
 }
 
 void file_row(Rows& rows) {
@@ -275,7 +282,9 @@ void arrange_rows(Rows& rows) {
 void tool_rows(Rows& rows, bool busy) {
     if (rows.state.dialogue != PanelDialogue::kNone) {
         ImGui::BeginDisabled(busy);
-        rows.state.dialogue == PanelDialogue::kClips ? clip_rows(rows, rows.status.head) : keyboard_rows(rows);
+        if (rows.state.dialogue == PanelDialogue::kClips) clip_rows(rows, rows.status.head);
+        if (rows.state.dialogue == PanelDialogue::kFiles) file_rows(rows);
+        if (rows.state.dialogue == PanelDialogue::kKeyboard) keyboard_rows(rows);
         return ImGui::EndDisabled();
     }
     if (rows.state.tool == HandTool::kPaint) return brush_rows(rows);
@@ -297,7 +306,8 @@ PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Training& 
     ImGui::SetNextWindowBgAlpha(1);
     ImGui::Begin("panel", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
-    if (state.dialogue == PanelDialogue::kKeyboard && state.editor.selected() != state.typed_for)
+    if (state.dialogue == PanelDialogue::kKeyboard && !state.types_address &&
+        state.editor.selected() != state.typed_for)
         state.dialogue = PanelDialogue::kNone;  // who was to be renamed is no longer selected
     time_rows(rows);
     ImGui::Separator();

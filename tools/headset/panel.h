@@ -14,7 +14,9 @@ class Training;
 // What the user pressed that the panel does not do itself, and where its items are.
 struct PanelResult {
     bool save = false, save_as = false, leave = false, to_start = false;
+    std::filesystem::path open;               // another stage or clip, or an address; mostly empty
     std::map<std::string, glm::dvec2> items;  // by name: the middle of each item, 0..1 from the upper left
+    std::vector<std::string> cut_off;         // the labels that are wider than their buttons
 };
 
 // What the panel displays beside the state.
@@ -22,7 +24,8 @@ struct PanelStatus {
     std::vector<editor::Notice> notices;  // the latest last
     double images_per_second = 0, scale = 1;
     bool saving = false;
-    xr::Pose head;  // tracking space
+    xr::Pose head;           // tracking space
+    glm::dvec2 room_m{2.5};  // width and depth of the room's free floor
 };
 
 // To be called between ImGui::NewFrame() and Render(). The panel fills the whole display of ImGui.

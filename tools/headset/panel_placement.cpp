@@ -8,7 +8,7 @@ namespace neuvv::headset {
 namespace {
 
 constexpr int kAround = 16;  // points of an ellipse
-constexpr double kAway_m = 0.75, kGap_rad = glm::radians(1.0);
+constexpr double kGap_rad = glm::radians(1.0);
 constexpr double kInView_rad = glm::radians(40.0);     // from the middle of the view to its edge
 constexpr double kFreeAside_rad = glm::radians(10.0);  // of a panel that is about nobody
 
@@ -21,8 +21,8 @@ xr::Pose upright(const xr::Pose& head) {
 // The panel in a direction, so many radians to the left of where the head looks.
 PanelPlacement placed(const xr::Pose& head, double left_rad, double width_rad) {
     const glm::dvec3 direction = head.rotation * glm::dvec3(-std::sin(left_rad), 0, -std::cos(left_rad));
-    const double width_m = 2 * kAway_m * std::tan(0.5 * width_rad);
-    return {{head.position + kAway_m * direction, upright_towards(direction)}, {width_m, width_m / kPanelAspect}};
+    const double width_m = 2 * kPanelAway_m * std::tan(0.5 * width_rad);
+    return {{head.position + kPanelAway_m * direction, upright_towards(direction)}, {width_m, width_m / kPanelAspect}};
 }
 
 // The panel on one side of a box whose edge on that side is so far from the middle of the view, towards that side.

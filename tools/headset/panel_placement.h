@@ -32,13 +32,15 @@ struct PlacedBox {
 //
 // Where the box `about` is in view, the panel opens beside it (seen_between), on the side with more room. Where there
 // is too little room for the panel beside it, the panel is narrower, but not narrower than kMinPanelWidth_rad, at which
-// its text can still be read. So a box that reaches more than 4° to both sides of the view's middle is partly covered:
-// as much of it as lies more than 5° to one side. Without a box the panel opens to the left, or to the right for
-// `left_handed` users, out of the way of the ray of the hand that points.
+// its text can still be read (PanelSurface). So a box that reaches more than 4° to both sides of the view's middle is
+// partly covered: as much of it as lies more than 5° to one side. Without a box the panel opens to the left, or to the
+// right for `left_handed` users, out of the way of the ray of the hand that points.
 //
 // `aside_rad` is more for somebody who should be seen whole, such as a trainer: kTrainerAside_rad.
-constexpr double kPanelAside_rad = glm::radians(15.0), kTrainerAside_rad = glm::radians(35.0),
-                 kPanelWidth_rad = glm::radians(30.0), kMinPanelWidth_rad = glm::radians(20.0);
+constexpr double kPanelAside_rad = glm::radians(18.25), kTrainerAside_rad = glm::radians(35.0),
+                 kPanelWidth_rad = glm::radians(32.0), kMinPanelWidth_rad = glm::radians(26.5);
+// From the head to the panel's middle: where eyes accommodate in most headsets, and within reach of both hands' rays.
+constexpr double kPanelAway_m = 1.1;
 PanelPlacement panel_in_view(const xr::Pose& world_head, const std::optional<PlacedBox>& about, bool left_handed,
                              double aside_rad = kPanelAside_rad);
 

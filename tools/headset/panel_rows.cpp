@@ -16,6 +16,7 @@ bool Rows::button(const char* name, const char* label, float width, bool is_on) 
         ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
     }
     const bool pressed = ImGui::Button(label, {width, ImGui::GetFrameHeight() * 1.2f});
+    if (ImGui::CalcTextSize(label, nullptr, true).x > width) result.cut_off.emplace_back(label);
     if (is_on) ImGui::PopStyleColor(2);
     ImGui::PopID();
     record_item(name);
@@ -64,6 +65,18 @@ void Rows::drag_by_item(bool changed, const editor::Editor::Operation& operation
 float column_width(int columns) {
     const float gap = ImGui::GetStyle().ItemSpacing.x;
     return (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(columns - 1)) / static_cast<float>(columns);
+}
+
+std::vector<float> fitted_widths(const std::vector<const char*>& labels) {
+    std::vector<float> widths;
+    float left =
+        ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x * static_cast<float>(labels.size() - 1);
+    for (const char* label : labels) {
+        widths.push_back(ImGui::CalcTextSize(label).x);
+        left -= widths.back();
+    }
+    for (float& width : widths) width += left / static_cast<float>(labels.size());
+    return widths;
 }
 
 const stage::StagePerformer* selected_performer(const HeadsetState& state) {

@@ -39,11 +39,14 @@ struct Rows {
 
 // The width of each of so many columns, which fill the rest of the row.
 float column_width(int columns);
+// The widths of buttons that fill the rest of the row, so that each has the same room around its label.
+std::vector<float> fitted_widths(const std::vector<const char*>& labels);
 
 // The page of the stage; and, in place of the tool's rows, the clips that may be added before the user's head
 // (tracking space), and the keyboard that renames the selected performer.
 void stage_rows(Rows& rows);
 void clip_rows(Rows& rows, const xr::Pose& head);
+void file_rows(Rows& rows);  // the stages and clips of a folder
 void keyboard_rows(Rows& rows);
 
 // The page of training with a performer.

@@ -8,8 +8,7 @@ namespace neuvv::headset {
 
 namespace {
 
-constexpr VkExtent2D kSize{768, 1024};
-constexpr float kScale = 1.75f;
+constexpr VkExtent2D kSize{kPanelWidth, kPanelHeight};
 
 xr::SwapchainShape shape() {
     xr::SwapchainShape shape{kSize, 1, XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT};
@@ -30,7 +29,7 @@ PanelSurface::PanelSurface(const gpu::Device& device, const xr::Session& session
                    {kSize.width, kSize.height, unorm_of(images_.format()),
                     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                         VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT}),
-      drawing_(device, imgui_image_.shape.format, 2, kScale),
+      drawing_(device, imgui_image_.shape.format, 2, kPanelScale),
       framebuffer_(ui::make_framebuffer(device, drawing_, imgui_image_.view, kSize)),
       commands_(device, "panel", 4) {
     gpu::run_once(device, "panel", [&](gpu::Commands& commands) {

@@ -9,6 +9,12 @@
 
 namespace neuvv::headset {
 
+// The panel's image in pixels, and the scale of its theme (ui::apply_theme): a line of text is 33 pixels high, which
+// are 20 dmm (thousandths of the distance from which they are seen) where the panel is as narrow as kMinPanelWidth_rad,
+// and 24 dmm elsewhere. Text of less is hard to read in a headset.
+constexpr uint32_t kPanelWidth = 768, kPanelHeight = 1024;
+constexpr float kPanelScale = 2.2f;
+
 class PanelSurface {
   public:
     PanelSurface(const gpu::Device& device, const xr::Session& session);

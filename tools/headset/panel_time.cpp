@@ -30,17 +30,17 @@ struct Timed {
 
 void repeat_row(const Timed& timed) {
     const stage::TimeMap& map = timed.performer.settings.time;
-    const float one = column_width(4);
-    const auto repeat = [&](const char* name, const char* label, edit::Repeat which) {
-        timed.button(name, label, one, edit::repeat_of(map) == which,
+    const std::vector<float> widths = fitted_widths({"Once", ICON_LOOP " Loop", "To and fro", "Freeze"});
+    const auto repeat = [&](const char* name, const char* label, float width, edit::Repeat which) {
+        timed.button(name, label, width, edit::repeat_of(map) == which,
                      [which](const stage::TimeMap& before) { return edit::repeated(before, which); });
         ImGui::SameLine();
     };
-    repeat("once", "Once", edit::Repeat::kOnce);
-    repeat("performer loop", ICON_LOOP " Loop", edit::Repeat::kLoop);
-    repeat("to and fro", "To and fro", edit::Repeat::kPingPong);
+    repeat("once", "Once", widths[0], edit::Repeat::kOnce);
+    repeat("performer loop", ICON_LOOP " Loop", widths[1], edit::Repeat::kLoop);
+    repeat("to and fro", "To and fro", widths[2], edit::Repeat::kPingPong);
     const bool frozen = edit::is_frozen(map);
-    timed.button("freeze", "Freeze", one, frozen,
+    timed.button("freeze", "Freeze", widths[3], frozen,
                  [&timed, frozen, now_s = timed.rows.state.evaluated.time_s](const stage::TimeMap& before) {
                      return frozen ? edit::unfrozen(before) : edit::frozen_at(before, timed.clip, now_s);
                  });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "edit/operations.h"
 #include "tools/headset/arrange.h"
@@ -41,6 +42,87 @@ void give_life_size(HeadsetState& state) {
     }
     world_from_node[3] += glm::dvec4(feet_world - glm::dvec3(world_from_node * glm::dvec4(feet, 1)), 0);
     move_node_to(state, node, world_from_node);
+}
+
+void bring_here(HeadsetState& state, const xr::Pose& head) {
+    const auto performer = state.selected_performer();
+    if (!performer) return;
+    const uint32_t node = state.stage->performers[*performer].node;
+    if (refuses_locked(state, node)) return;
+    const xr::Pose world = xr::world_from_tracking(state.rig) * head;
+    const double yaw_rad = xr::yaw_of(world.rotation);
+    const glm::dmat4& was = state.evaluated.pose.world_from_node[node];
+    const double front_rad = std::atan2(was[2].x, was[2].z);  // 0: +Z, which faces a user who looks along −Z
+    glm::dmat4 is = glm::mat4_cast(xr::turn_by(yaw_rad - front_rad)) * was;
+    const glm::dvec3 before = xr::turn_by(yaw_rad) * glm::dvec3(0, 0, -kNewPerformer_m);
+    const glm::dvec3 at(world.position.x + before.x, state.floor_m, world.position.z + before.z);
+    is[3] += glm::dvec4(at - glm::dvec3(is * glm::dvec4(feet_of(state, *performer), 1)), 0);
+    const auto [low, high] = editor::box_of(state, *performer);
+    is = on_floor(is, low, high, state.floor_m);
+    const glm::dvec3 aside = xr::turn_by(yaw_rad) * glm::dvec3(1, 0, 0);
+    is[3] += glm::dvec4(free_shift_m(state, *performer, is, aside) * aside, 0);
+    move_node_to(state, node, is);
+}
+
+namespace {
+
+// The box around all performers that are seen, in the space of a user who looks along −Z; nullopt where there are none.
+std::optional<std::pair<glm::dvec3, glm::dvec3>> ensemble_box(const HeadsetState& state, const xr::Pose& world_user) {
+    glm::dvec3 lowest(INFINITY), highest(-INFINITY);
+    const xr::Pose user_from_world = xr::inverse(world_user);
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
+        if (!performer.visible) continue;
+        const auto [low, high] = editor::box_of(state, performer.performer);
+        for (int corner = 0; corner < 8; corner++) {
+            const glm::dvec3 of_box(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
+                                    corner & 4 ? high.z : low.z);
+            const glm::dvec3 at = user_from_world * glm::dvec3(performer.world_from_performer * glm::dvec4(of_box, 1));
+            lowest = glm::min(lowest, at);
+            highest = glm::max(highest, at);
+        }
+    }
+    if (!(lowest.x <= highest.x)) return std::nullopt;
+    return std::pair{lowest, highest};
+}
+
+// The performers that are seen, but for those that stand on the node of another one.
+std::vector<uint32_t> outermost_nodes(const HeadsetState& state) {
+    std::vector<uint32_t> nodes;
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers)
+        if (performer.visible) nodes.push_back(state.stage->performers[performer.performer].node);
+    const std::vector<uint32_t> all = nodes;
+    std::erase_if(nodes, [&](uint32_t node) {
+        for (int32_t above = state.stage->scene.nodes[node].parent; above >= 0;
+             above = state.stage->scene.nodes[static_cast<size_t>(above)].parent)
+            if (std::ranges::find(all, static_cast<uint32_t>(above)) != all.end()) return true;
+        return false;
+    });
+    return nodes;
+}
+
+}  // namespace
+
+void fit_to_room(HeadsetState& state, const xr::Pose& head, glm::dvec2 room_m) {
+    const xr::Pose world = xr::world_from_tracking(state.rig) * head;
+    const xr::Pose user{{world.position.x, state.floor_m, world.position.z}, xr::turn_by(xr::yaw_of(world.rotation))};
+    const auto box = ensemble_box(state, user);
+    if (!box) return state.editor.notify("nobody is seen on the stage", true);
+    const glm::dvec3 size = box->second - box->first, middle = 0.5 * (box->first + box->second);
+    const double scale = std::min({1.0, room_m.x / size.x, room_m.y / size.z, kRoomHeight_m / size.y});
+    const glm::dvec3 to(0, 0, -(kNewPerformer_m + 0.5 * scale * size.z));
+    const glm::dmat4 moved = glm::translate(glm::dmat4(1), to) * glm::scale(glm::dmat4(1), glm::dvec3(scale)) *
+                             glm::translate(glm::dmat4(1), -glm::dvec3(middle.x, box->first.y, middle.z));
+    const glm::dmat4 world_from_user = xr::matrix_of(user);
+    const glm::dmat4 change = world_from_user * moved * glm::inverse(world_from_user);
+    state.editor.edit([&](edit::Document& document) {
+        for (const uint32_t node : outermost_nodes(state)) {
+            edit::Placement placement;
+            placement.to =
+                glm::inverse(world_from_parent(state, node)) * change * state.evaluated.pose.world_from_node[node];
+            edit::place_node(document.file, node, placement);
+        }
+        return fmt::format("the performers are brought here, {:.0f} % as large", 100 * scale);
+    });
 }
 
 void hide_selected(HeadsetState& state) {
@@ -135,6 +217,8 @@ void land_new_performer(HeadsetState& state, bool is_busy) {
     if (!selected || !state.editor.dragging()) return state.editor.end_drag();
     const glm::dvec3 feet = glm::dmat3(shown.world_from_node) * feet_of(state, *selected);
     shown.world_from_node[3] -= glm::dvec4(feet, 0);
+    const glm::dvec3 aside = glm::normalize(glm::dvec3(shown.world_from_node[0]));
+    shown.world_from_node[3] += glm::dvec4(free_shift_m(state, *selected, shown.world_from_node, aside) * aside, 0);
     preview_new_performer(state, shown);
     state.editor.end_drag();
 }

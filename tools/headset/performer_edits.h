@@ -8,9 +8,19 @@
 
 namespace neuvv::headset {
 
+constexpr double kNewPerformer_m = 2;
+
 // Edits the document: the selected performer gets the scale that its clip was recorded in, 1 along each axis, in the
 // world. The middle between its feet, at the bottom of what is solid of it, stays where it is.
 void give_life_size(HeadsetState& state);
+
+// Edits the document: the selected performer comes to stand on the floor kNewPerformer_m before the user whose head is
+// at `head` (tracking space), and faces the user; beside others who stand there.
+void bring_here(HeadsetState& state, const xr::Pose& head);
+// Edits the document: all performers that are seen come to stand before the user, in the same order, and become smaller
+// together where they take more room than `room_m` (width, depth) of the floor, or are higher than kRoomHeight_m.
+void fit_to_room(HeadsetState& state, const xr::Pose& head, glm::dvec2 room_m);
+constexpr double kRoomHeight_m = 2.4;
 
 // Edits the document: hides the selected performer, which is then no longer selected.
 void hide_selected(HeadsetState& state);
@@ -29,11 +39,11 @@ std::vector<std::filesystem::path> clips_at_hand(const editor::Editor& editor);
 // Begins to add a performer of a clip, kNewPerformer_m before the user whose head is at `head` (tracking space), and
 // turned to the user. While its clip is being read (NewPerformer::is_read), the stage stays as it is; a performer that
 // is chosen meanwhile takes its place.
-constexpr double kNewPerformer_m = 2;
 void add_performer(HeadsetState& state, const std::filesystem::path& clip, const xr::Pose& head);
 // To be called in each frame. Edits the document: adds the new performer once its clip has been read, and selects it;
-// once the clip is on the stage, so that its feet are known, puts them on the floor. Both are one step of the history.
-// Nothing begins while `is_busy`, because hands do something that another edit would end.
+// once the clip is on the stage, so that its feet are known, puts them on the floor, beside others who stand there.
+// Both are one step of the history. Nothing begins while `is_busy`, because hands do something that another edit would
+// end.
 void land_new_performer(HeadsetState& state, bool is_busy);
 
 // "show.gltf" becomes "show-2.gltf", "show-2.gltf" becomes "show-3.gltf": the first of these names that no file has.

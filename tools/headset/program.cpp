@@ -26,6 +26,7 @@ void print_line(const std::string& line) {
 
 void Program::open() {
     const std::filesystem::path stage = editor::stage_of_file(options.file);
+    opened = options.file;
     std::vector<edit::RecoveryEntry> recoverable = editor::lost_edits_of(stage);
     std::optional<edit::RecoveryEntry> recovered;
     if (!recoverable.empty()) recovered = std::move(recoverable.front());
@@ -49,6 +50,19 @@ void Program::open() {
     saver->autosave.opened(std::move(recovered));
 }
 
+std::string without_node_numbers(std::string notice) {
+    constexpr std::string_view kBefore = " (node ";
+    for (size_t at = notice.find(kBefore); at != std::string::npos; at = notice.find(kBefore, at)) {
+        const size_t end = notice.find_first_not_of("0123456789", at + kBefore.size());
+        const bool is_number = end != std::string::npos && end > at + kBefore.size() && notice[end] == ')';
+        if (is_number)
+            notice.erase(at, end + 1 - at);
+        else
+            at++;
+    }
+    return notice;
+}
+
 void Program::finish() {
     interaction.release_all(state);
     const Clock::time_point from = Clock::now();
@@ -62,6 +76,43 @@ void Program::finish() {
     notify();
 }
 
+bool Program::open_next() {
+    std::optional<NextDocument>& next = state.next_document;
+    const bool is_busy = interaction.is_holding() || interaction.painter.is_busy() || state.new_performer;
+    if (!next || !next->is_read || is_busy) return false;
+    if (state.editor.modified()) {  // by an edit that was made meanwhile
+        state.editor.notify("not opened: the stage was edited meanwhile", true);
+        next.reset();
+        return false;
+    }
+    interaction.release_all(state);
+    interaction.painter.clear_region();
+    training.end(state);
+    opened = next->path;
+    saver->autosave.opened();
+    state.editor.open(std::move(*next->document), false);
+    const bool plays = state.clock.playing || paused;
+    state.clock = editor::StageClock();
+    state.clock.playing = plays && !paused;
+    state.dialogue = PanelDialogue::kNone;
+    next.reset();
+    start.reset();
+    return true;
+}
+
+void Program::pause_unattended() {
+    if (is_worn && has_focus)
+        state.clock.playing |= std::exchange(paused, false);
+    else
+        paused |= std::exchange(state.clock.playing, false);
+}
+
+void Program::keep_window_alive() {
+    if (!window) return;
+    window->poll();
+    leaving |= window->close_requested();
+}
+
 void Program::leave() {
     leaving = !state.editor.modified() || saver->saving() || now_s() < confirm_until_s;
     if (leaving) return;
@@ -72,6 +123,7 @@ void Program::leave() {
 void Program::notify() {
     for (editor::Notice& notice : state.editor.take_notices()) {
         print_line(notice.text);
+        notice.text = without_node_numbers(std::move(notice.text));
         notice.until_s = now_s() + kNotice_s;
         notice_plate.show(notice);
         notices.push_back(std::move(notice));
@@ -108,6 +160,7 @@ void write_report(const Program& program) {
     }
     report["notice"] = program.notice_plate.lines();
     report["modified"] = program.state.editor.modified();
+    report["stage"] = program.state.editor.file().path.string();
     const std::string text = report.dump(1);
     write_file_atomically(program.options.report, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }

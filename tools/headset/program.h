@@ -45,9 +45,12 @@ struct Program {
     NoticePlate notice_plate;
     std::unique_ptr<ui::Window> window;  // of the mirror; null without --mirror
     Clock::time_point began = Clock::now();
+    std::filesystem::path opened;             // what the user named last
     std::optional<StandingPlace> start;       // where the user began; empty: the user has no position on the stage yet
     bool leaving = false;                     // the user wants to leave
-    bool paused_unworn = false;               // the stage played when the headset was taken off
+    bool is_worn = true;                      // somebody wears the headset, as far as the runtime says
+    bool has_focus = true;                    // no menu of the system is in front
+    bool paused = false;                      // the stage played before one of these became false
     std::optional<xr::Pose> head;             // tracking space; the last tracked pose
     xr::RoomView room = xr::RoomView::kNone;  // how the user's own room is seen; kNone: it is not
     uint64_t frames = 0;                      // drawn since the program began
@@ -60,14 +63,25 @@ struct Program {
     double now_s() const { return seconds_since(began); }
     // Opens the file of the options. Throws InputError.
     void open();
+    // Opens the next document in place of the present one, once it has been read and hands hold nothing. Returns
+    // whether it did; then `start` is empty, as the user has no position on the new stage yet.
+    bool open_next();
     // Does what the button Leave does. The recovery files keep unsaved edits; still, the first press only reports that
     // there are any.
     void leave();
     // Prints new notices, and removes those that have been on the panel for some seconds.
     void notify();
+    // Pauses the stage while nobody wears the headset, or a menu of the system is in front; then it goes on if it has
+    // played before.
+    void pause_unattended();
+    // To be called again and again while there are no frames: the window stays alive, and closing it ends the program.
+    void keep_window_alive();
     // Ends grabs and strokes, and waits for unfinished strokes and files, but not for ever.
     void finish();
 };
+
+// A notice for somebody who sees no numbers of nodes: `"ben" (node 4): a copy` becomes `"ben": a copy`.
+std::string without_node_numbers(std::string notice);
 
 // Writes the report that HeadsetOptions::report asks for.
 void write_report(const Program& program);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/trace_file.h"
 #include "tools/headset/eye_images.h"
 
 namespace neuvv::headset {
@@ -70,10 +71,35 @@ void RuntimeContext::read_new_clip(HeadsetState& state) {
     }
 }
 
+void RuntimeContext::read_next_document(HeadsetState& state) {
+    std::optional<NextDocument>& next = state.next_document;
+    if (!next) next_clips.reset();  // it has been opened, or cannot be
+    if (!next || !next->document || next->is_read) return;
+    if (!next_clips) {
+        std::vector<std::filesystem::path> of_stage = edit::clips_of(next->document->file);
+        next->clips = of_stage.size();
+        next_clips_read = 0;
+        next_clips = std::make_unique<render::ClipPreload>(
+            loader->files(), std::move(of_stage), [this](size_t read) { next_clips_read = read; }, nullptr);
+    }
+    next->clips_read = next_clips_read;
+    if (!next_clips->is_done()) return;
+    try {
+        next_clips->expect_read();
+        next->is_read = true;
+    } catch (const InputError& error) {
+        state.editor.notify(error.what(), true);
+        next.reset();
+    }
+}
+
 void RuntimeContext::follow(Program& program) {
     read_new_clip(program.state);
+    read_next_document(program.state);
+    if (program.open_next()) clips.clear();
     program.state.follow_document();
     if (drawn_stage == program.state.stage) return;
+    const TraceSpan span("follow an edit");
     try {
         renderer->change(*program.state.stage, render::with_memory_of_slices(renderer->frames(), [&] {
             return loader->load(*program.state.stage);

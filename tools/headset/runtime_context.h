@@ -1,6 +1,7 @@
 // The runtime, the device that it created, and the stage on that device.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -24,6 +25,8 @@ struct RuntimeContext {
     // performer read meanwhile.
     void follow(Program& program);
     void read_new_clip(HeadsetState& state);
+    // The same for the clips of the document that is to be opened next.
+    void read_next_document(HeadsetState& state);
     // Sets state.solid for the time of state.evaluated.
     void update_solid(HeadsetState& state) const;
     // As FindSurfaces (pointing.h), on the stage as it was drawn last. Where images overlap, the results are those of
@@ -41,6 +44,8 @@ struct RuntimeContext {
     std::map<std::filesystem::path, std::shared_ptr<const render::Field>> clips;
     std::unique_ptr<render::StageLoader> loader;
     std::unique_ptr<render::ClipPreload> preload;     // of the clip of a new performer
+    std::unique_ptr<render::ClipPreload> next_clips;  // of the document that is to be opened next
+    std::atomic<size_t> next_clips_read = 0;
     std::unique_ptr<render::StageRenderer> renderer;  // created with the first session, for the size of its images
     std::shared_ptr<const stage::Stage> drawn_stage;
     bool overlaps;  // images_overlap()

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tools/headset/hand_shapes.h"
+#include "tools/headset/next_document.h"
 #include "tools/headset/panel.h"
 #include "tools/headset/performer_edits.h"
 #include "tools/headset/sound.h"
@@ -54,13 +55,13 @@ void place_user(Program& program, SessionContext& session, const xr::FrameTime& 
     stand_at(program.state, *program.start, head);
 }
 
-// The stage pauses while nobody wears the headset, and goes on if it has played before.
-void pause_unworn(Program& program, bool is_worn) {
-    editor::StageClock& clock = program.state.clock;
-    if (is_worn)
-        clock.playing |= std::exchange(program.paused_unworn, false);
-    else
-        program.paused_unworn |= std::exchange(clock.playing, false);
+// The user comes to the first place of a stage that was opened in place of another one.
+void enter_stage(Program& program) {
+    program.state.floor_m = editor::floor_of(program.state);
+    program.start = first_place(program.state);
+    stand_at(program.state, *program.start, *program.head);
+    program.interaction.user_was_moved(program.state);
+    program.interaction.locomotion.fade_in();
 }
 
 // What hands feel: an error in both, and else what each has done.
@@ -90,6 +91,7 @@ void update_stage(Program& program, RuntimeContext& context, SessionContext& ses
     state.clock.tick(dt_s);
     state.evaluate();
     context.update_solid(state);
+    if (!program.start && program.head) enter_stage(program);
     program.training.turn_trainer(state, dt_s);
     if (program.head) {
         program.interaction.update(state, inputs, *program.head, dt_s, [&](std::span<const Ray> rays) {
@@ -110,8 +112,8 @@ void update_stage(Program& program, RuntimeContext& context, SessionContext& ses
 void update_panel(Program& program, SessionContext& session, double dt_s) {
     if (!program.interaction.panel) return;
     PanelResult result;
-    const PanelStatus status{program.notices, session.images_per_second, session.eyes.scale(), program.saver->saving(),
-                             program.head.value_or(xr::Pose())};
+    const PanelStatus status{program.notices,         session.images_per_second,         session.eyes.scale(),
+                             program.saver->saving(), program.head.value_or(xr::Pose()), session.room_m};
     if (program.state.is_behind() && session.panel.has_image())
         return;  // hands have edited the document: its nodes do not match the stage
     const PanelPointer pointer = program.interaction.panel_pointer();
@@ -123,10 +125,12 @@ void update_panel(Program& program, SessionContext& session, double dt_s) {
         const std::filesystem::path path = program.saver->default_path();
         program.saver->save(std::filesystem::exists(path) ? next_numbered(path) : path);
     }
+    if (!result.open.empty()) open_other(program.state, program.jobs, result.open);
     if (result.leave) program.leave();
     if (result.to_start && program.head && program.start) {
         stand_at(program.state, *program.start, *program.head);
         program.interaction.user_was_moved(program.state);
+        program.interaction.locomotion.fade_in();
     }
 }
 
@@ -154,8 +158,28 @@ std::optional<glm::dvec3> find_gaze(const SessionContext& session, const xr::Pos
     return world * (*gaze * glm::dvec3(0, 0, -kDistance_m));
 }
 
-void draw_labels(Program& program, SessionContext& session, const xr::Pose& world_head) {
+// What is read, and how long the last image took.
+std::vector<std::string> status_lines(const Program& program, const RuntimeContext& context,
+                                      const SessionContext& session, const xr::FrameTime& time) {
+    std::vector<std::string> lines;
+    if (const auto& performer = program.state.new_performer; performer && !performer->is_read)
+        lines.push_back(fmt::format("reading {}", performer->clip.filename().string()));
+    if (const auto& next = program.state.next_document) {
+        lines.push_back(fmt::format("opening {}", next->path.filename().string()));
+        if (next->clips > 1) lines.push_back(fmt::format("{} of {} clips", next->clips_read, next->clips));
+    }
+    if (!program.state.shows_frame_times) return lines;
+    lines.push_back(fmt::format("{:.1f} ms of {:.1f}", context.renderer->frames().device_milliseconds(),
+                                static_cast<double>(time.period) / 1e6));
+    const double scale = session.eyes.scale();
+    lines.push_back(fmt::format("{:.0f} a second, {:.0f} % of rays", session.images_per_second, 100 * scale * scale));
+    return lines;
+}
+
+void draw_labels(Program& program, const RuntimeContext& context, SessionContext& session, const xr::FrameTime& time,
+                 const xr::Pose& world_head) {
     const HeadsetState& state = program.state;
+    draw_status(session.shapes, session.font, status_lines(program, context, session, time), world_head);
     if (std::exchange(program.hints_left_handed, state.left_handed) != state.left_handed)
         program.hints = make_hints(session.actions, state);
     draw_hints(session.shapes, session.font, state, program.interaction, program.hints, world_head);
@@ -179,7 +203,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     if (hides_room) draw_floor(session.shapes, state);
     draw_guide(session.shapes, program.training.session().guide());
     draw_interaction(session.shapes, state, program.interaction);
-    if (program.head) draw_labels(program, session, world * *program.head);
+    if (program.head) draw_labels(program, context, session, time, world * *program.head);
     for (const int hand : {xr::kLeft, xr::kRight})
         if (program.interaction.hands[state.hand_of(hand)].input.bare_hand)
             draw_joints(session.shapes, session.hand_tracking.joints(hand), world);
@@ -188,16 +212,19 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     const auto eyes = session.xr_session.locate_eyes(time.display);
     if (!eyes) return false;
     session.eyes.look_at(find_gaze(session, world, time));
+    xr::EyeShade shade = program.interaction.locomotion.shade();
+    if (!hides_room) shade.fade = 0;  // the user's own room does not jump
     session.eyes.draw(*context.renderer, state.evaluated, program.training.session().highlight(), *eyes, world, next,
-                      session.shapes, program.interaction.locomotion.vignette(),
-                      kDrawShare * static_cast<double>(time.period) / 1e6);
+                      session.shapes, shade, kDrawShare * static_cast<double>(time.period) / 1e6);
     return true;
 }
 
 }  // namespace
 
 void handle_events(const xr::SessionEvents& events, Program& program, SessionContext& session) {
-    if (events.is_worn) pause_unworn(program, *events.is_worn);
+    program.is_worn = events.is_worn.value_or(program.is_worn);
+    program.has_focus = events.has_focus.value_or(program.has_focus);
+    if (events.is_worn || events.has_focus) program.pause_unattended();
     if (events.passthrough_lost) session.room.restart();
     session.tracking_change = events.tracking_change;
     if (events.controllers_changed) {

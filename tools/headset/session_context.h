@@ -6,6 +6,7 @@
 
 #include "tools/headset/labels.h"
 #include "tools/headset/mirror.h"
+#include "tools/headset/panel.h"
 #include "tools/headset/panel_surface.h"
 #include "tools/headset/runtime_context.h"
 #include "tools/headset/wearer.h"
@@ -24,6 +25,7 @@ struct SessionContext {
           panel(context.device, xr_session),
           font(context.device) {
         eyes.set_font(font.image());
+        if (const auto area = xr_session.play_area()) room_m = *area;
     }
     xr::Session xr_session;
     xr::Actions actions;
@@ -36,6 +38,7 @@ struct SessionContext {
     std::unique_ptr<Mirror> mirror;
     xr::EyeShapes shapes;
     std::optional<xr::TrackingChange> tracking_change;  // that is to come
+    glm::dvec2 room_m = PanelStatus{}.room_m;           // width and depth of the room's free floor
     XrTime last_display = 0;
     double images_per_second = 0;
 };

@@ -19,6 +19,7 @@ void read_comfort(editor::PreferenceReader& reader, const ordered_json& json, Co
     reader.number(json, at, "turn_deg_per_s", 10.0, 360.0, comfort.turn_deg_per_s);
     reader.number(json, at, "walk_m_per_s", 0.1, 10.0, comfort.walk_m_per_s);
     reader.boolean(json, at, "vignette", comfort.vignette);
+    reader.number(json, at, "raised_m", kLowest_m, kHighest_m, comfort.raised_m);
 }
 
 // Reads a member that has one of two values. Returns whether it is the second one.
@@ -63,6 +64,7 @@ void write_comfort(ordered_json& json, const Comfort& comfort) {
     json["turn_deg_per_s"] = comfort.turn_deg_per_s;
     json["walk_m_per_s"] = comfort.walk_m_per_s;
     json["vignette"] = comfort.vignette;
+    json["raised_m"] = rounded(comfort.raised_m);
 }
 
 void write_brush(ordered_json& json, const HandBrush& brush) {
@@ -95,6 +97,9 @@ void HeadsetSettings::load(HeadsetState& state, PerformerGrabSettings& grab) {
     const ordered_json& hands = reader.object(file.document, "hands");
     reader.boolean(hands, "hands.", "leftHanded", state.left_handed);
     reader.boolean(hands, "hands.", "hints", state.hints);
+    reader.number(reader.object(file.document, "sound"), "sound.", "volume_percent", 0.0, kMostVolume_percent,
+                  state.volume_percent);
+    reader.boolean(reader.object(file.document, "panel"), "panel.", "frameTimes", state.shows_frame_times);
     const ordered_json& room = reader.object(file.document, "room");
     bool shown = false;
     reader.boolean(room, "room.", "shown", shown);
@@ -109,7 +114,10 @@ void HeadsetSettings::load(HeadsetState& state, PerformerGrabSettings& grab) {
 ordered_json HeadsetSettings::to_json(const HeadsetState& state, const PerformerGrabSettings& grab, ordered_json base) {
     write_comfort(editor::object_in(base, "comfort"), state.comfort);
     write_brush(editor::object_in(base, "brush"), state.brush);
-    editor::object_in(base, "panel")["onWrist"] = state.panel_on_wrist;
+    ordered_json& panel = editor::object_in(base, "panel");
+    panel["onWrist"] = state.panel_on_wrist;
+    panel["frameTimes"] = state.shows_frame_times;
+    editor::object_in(base, "sound")["volume_percent"] = rounded(state.volume_percent);
     ordered_json& grab_json = editor::object_in(base, "hold");
     grab_json["upright"] = grab.upright;
     grab_json["snapsToFloor"] = grab.snaps_to_floor;

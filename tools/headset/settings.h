@@ -1,7 +1,8 @@
 // The preferences of a headset's user, kept between runs as JSON in config_folder()/"headset.json".
 //
 //   {"comfort": {"smoothWalk": false, "smoothTurn": false, "snap_deg": 30, "turn_deg_per_s": 90, "walk_m_per_s": 1.6,
-//    "vignette": true}, "panel": {"onWrist": false}, "hands": {"leftHanded": false, "hints": true},
+//    "vignette": true, "raised_m": 0}, "panel": {"onWrist": false, "frameTimes": false},
+//    "sound": {"volume_percent": 100}, "hands": {"leftHanded": false, "hints": true},
 //    "hold": {"upright": true, "snapsToFloor": true, "stepsHeading": false, "stepsPlace": false},
 //    "brush": {"tip": "ball", "does": "paint", "radius_m": 0.06, "colour": {"red": 0.9, "green": 0.25,
 //    "blue": 0.1}, "opacity": 1, "wholeClip": true, "byRay": false}, "room": {"shown": false}}

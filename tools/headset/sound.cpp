@@ -3,6 +3,7 @@
 namespace neuvv::headset {
 
 void play_sound(HeadsetState& state, editor::SoundPlayer& player, const xr::Pose& head) {
+    player.set_volume(state.volume_percent / 100);
     stage::EvaluatedStage now = state.evaluated;
     now.time_s = state.clock.time_s();  // the displayed time stands still from frame to frame
     player.follow(state.stage, now, state.clock.playing ? state.clock.speed : 0,

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "edit/operations.h"
+#include "tools/headset/next_document.h"
 #include "tools/headset/panel_rows.h"
 #include "tools/headset/performer_edits.h"
 #include "tools/ui/icons.h"
@@ -50,6 +51,13 @@ void stage_rows(Rows& rows) {
     ImGui::BeginDisabled(rows.status.saving);
     rows.result.save_as = rows.button("save as", ICON_SAVE " Save as a new file", half);
     ImGui::EndDisabled();
+    if (rows.button("fit", ICON_SCALE " Fit to the room", half))
+        fit_to_room(state, rows.status.head, rows.status.room_m);
+    ImGui::SameLine();
+    if (rows.button("open", "Open another", half)) {
+        state.folder = stage::absolute_path(state.editor.file().path).parent_path();
+        state.dialogue = PanelDialogue::kFiles;
+    }
     light_row(rows);
     hidden_rows(rows);
 }
@@ -70,6 +78,38 @@ void clip_rows(Rows& rows, const xr::Pose& head) {
         state.dialogue = PanelDialogue::kNone;
         return;
     }
+}
+
+void file_rows(Rows& rows) {
+    HeadsetState& state = rows.state;
+    const std::vector<float> widths = fitted_widths({"Cancel", "Up", "An address"});
+    if (rows.button("file cancel", "Cancel", widths[0])) state.dialogue = PanelDialogue::kNone;
+    ImGui::SameLine();
+    const std::filesystem::path above = state.folder.parent_path();
+    ImGui::BeginDisabled(above == state.folder);
+    const bool goes_up = rows.button("file up", "Up", widths[1]);
+    ImGui::EndDisabled();
+    ImGui::SameLine();
+    if (rows.button("file address", "An address", widths[2])) {
+        state.typed.clear();
+        state.types_address = true;
+        state.dialogue = PanelDialogue::kKeyboard;
+    }
+    ImGui::TextDisabled("%s", state.folder.filename().string().c_str());
+    const float half = column_width(2);
+    const std::vector<FolderEntry> entries = entries_of(state.folder);
+    for (size_t i = 0; i < entries.size(); i++) {
+        if (i % 2 == 1) ImGui::SameLine();
+        const std::string name = entries[i].path.filename().string() + (entries[i].is_folder ? "/" : "");
+        if (!rows.button(fmt::format("file {}", name).c_str(), name.c_str(), half)) continue;
+        if (entries[i].is_folder) {
+            state.folder = entries[i].path;
+            return;
+        }
+        rows.result.open = entries[i].path;
+        state.dialogue = PanelDialogue::kNone;
+    }
+    if (goes_up) state.folder = above;
 }
 
 }  // namespace neuvv::headset

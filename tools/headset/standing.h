@@ -13,8 +13,12 @@ struct StandingPlace {
 };
 
 // Where a user begins: on the floor below the stage's first perspective camera, with its heading; without such a
-// camera, in front of the performers.
+// camera, in front of the performers. Who would stand nearer than kNearest_m or farther than kFarthest_m from the
+// nearest performer comes to stand in between, ahead of that place or behind it; where nobody is ahead, towards the
+// nearest performer and facing it.
 StandingPlace first_place(const HeadsetState& state);
+// From the middle of what is solid of a performer, or from half a metre inside of its box where that is nearer.
+constexpr double kNearest_m = 2, kFarthest_m = 2.5;
 
 // Moves the user there. `head` is in the tracking space.
 void stand_at(HeadsetState& state, const StandingPlace& place, const xr::Pose& head);

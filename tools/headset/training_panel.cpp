@@ -46,29 +46,30 @@ void clip_speed_row(Rows& rows) {
 void view_row(Rows& rows) {
     Training& training = rows.training;
     coach::CoachSettings& settings = training.settings;
-    const float one = column_width(5);
+    const std::vector<float> widths = fitted_widths({ICON_LOOP " Again", "Show me", "Mirrored", "Ghost", "Arrows"});
     ImGui::BeginDisabled(!training.is_running() || !training.session().coach().last_mistake_s());
-    if (rows.button("again", ICON_LOOP " Again", one)) training.repeat_mistake(rows.state);
+    if (rows.button("again", ICON_LOOP " Again", widths[0])) training.repeat_mistake(rows.state);
     ImGui::EndDisabled();
     ImGui::SameLine();
     ImGui::BeginDisabled(!training.session().best_view());
-    if (rows.button("show me", "Show me", one)) training.show_best_view();
+    if (rows.button("show me", "Show me", widths[1])) training.show_best_view();
     ImGui::EndDisabled();
     ImGui::SameLine();
-    rows.toggle("mirror image", "Mirrored", one, settings.mirrored);
+    rows.toggle("mirror image", "Mirrored", widths[2], settings.mirrored);
     ImGui::SameLine();
-    rows.toggle("ghost", "Ghost", one, settings.ghost);
+    rows.toggle("ghost", "Ghost", widths[3], settings.ghost);
     ImGui::SameLine();
-    rows.toggle("arrows", "Arrows", one, settings.arrows);
+    rows.toggle("arrows", "Arrows", widths[4], settings.arrows);
 }
 
 // Which limbs count; those that are wrong are red.
 void limb_row(Rows& rows) {
     const Training& training = rows.training;
     const coach::LimbValues red = training.is_running() ? training.session().coach().red() : coach::LimbValues{};
-    const float one = column_width(static_cast<int>(motion::kLimbs));
+    constexpr size_t kInARow = 3;
+    const float one = column_width(kInARow);
     for (size_t i = 0; i < motion::kLimbs; i++) {
-        if (i > 0) ImGui::SameLine();
+        if (i % kInARow > 0) ImGui::SameLine();
         const bool counts = rows.training.settings.compare.counted[i], wrong = red[i] > 0.5;
         if (wrong) ImGui::PushStyleColor(ImGuiCol_Button, kWrong);
         if (rows.button(motion::kLimbNames[i], motion::kLimbNames[i], one, counts && !wrong))
