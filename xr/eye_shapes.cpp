@@ -133,14 +133,14 @@ void EyeShapes::ball(glm::dvec3 middle, double radius_m, glm::vec4 colour) {
 void EyeShapes::ellipse(glm::dvec3 middle, glm::dvec3 half_x, glm::dvec3 half_z, glm::vec4 middle_colour,
                         glm::vec4 rim_colour) {
     constexpr int kAround = 32;
-    auto& list = list_of(std::min(middle_colour.a, rim_colour.a));
+    const float alpha = std::min(middle_colour.a, rim_colour.a);
     const auto at = [&](int i) {
         const double phi = glm::two_pi<double>() * i / kAround;
         return ShapeVertex{glm::vec3(middle + std::cos(phi) * half_x + std::sin(phi) * half_z),
                            premultiplied(rim_colour)};
     };
     for (int i = 0; i < kAround; i++)
-        list.insert(list.end(), {{glm::vec3(middle), premultiplied(middle_colour)}, at(i), at(i + 1)});
+        add(std::array<ShapeVertex, 3>{{{glm::vec3(middle), premultiplied(middle_colour)}, at(i), at(i + 1)}}, alpha);
 }
 
 void EyeShapes::ring(glm::dvec3 middle, double radius_m, double width_m, glm::vec4 colour) {
