@@ -12,6 +12,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "tools/unfinished_clip.h"
 #include "training/claim.h"
 #include "voctree/clip.h"
@@ -102,7 +103,7 @@ void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& 
     progress.finish();
     // Said at the end, where it is seen.
     for (const Piece& piece : pieces)
-        if (const std::string text = unfinished_text(piece); !text.empty()) fmt::print(stderr, "{}\n", text);
+        if (const std::string text = unfinished_text(piece); !text.empty()) say("{}\n", text);
     if (pieces.size() > 1) voctree::write_clip_index(clip.folder(), index);
     clip.finish(pieces.size() > 1 ? clip.folder() : index.segments[0].file);
     fmt::print("wrote {}: {} frames in {} segment{}\n", output, index.frames(), pieces.size(),

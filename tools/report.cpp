@@ -143,7 +143,7 @@ std::string doubtful_mattes_text(const training::Dataset& dataset, const std::ve
 }
 
 void tell_notes(const std::string& file, const std::vector<std::string>& notes) {
-    for (const std::string& note : notes) fmt::print(stderr, "note: {} {}\n", file, note);
+    for (const std::string& note : notes) say("note: {} {}\n", file, note);
 }
 
 void tell_not_shown(const std::vector<std::string>& problems) {

@@ -71,7 +71,7 @@ void add_new(Command stage) {
         expect_stage_name("STAGE", *output);
         prepare_result("STAGE", *output);
         const EditLock lock(*output, says_that_it_waits(*output));
-        prepare_result("STAGE", *output);  // again, as another program may have made it
+        prepare_result("STAGE", *output);  // what another program made meanwhile stays
         stage::StageFile file = edit::new_stage(*output);
         stage::save_stage_file(file, *output);
         fmt::print("{}: a floor, \"camera\" and the spotlight \"key\"\n", *output);
