@@ -20,6 +20,7 @@
 #include "voctree/coarse.h"
 #include "voctree/frames.h"
 #include "voctree/nvv.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::tools {
 
@@ -63,7 +64,8 @@ void write_piece(const Piece& piece, const std::filesystem::path& output) {
     }
     const voctree::VOctree part =
         voctree::frames_of(voctree::read_segment(piece.source), piece.first, piece.frames + piece.overlap);
-    voctree::write_nvv(output, part, {}, 9, voctree::coarse_tree(part));
+    const voctree::ChunkOfFrame chunk(voctree::read_world_frame(piece.source.file));
+    voctree::write_nvv(output, part, chunk.views(), 9, voctree::coarse_tree(part));
 }
 
 // What to say of a piece whose training is not finished. The .state of a file that is no segment says nothing: it stays

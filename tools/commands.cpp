@@ -39,6 +39,13 @@ void add_format_option(Command verb, std::string& format) {
         .show_default();
 }
 
+void add_holdout_option(Command verb, std::string& holdout) {
+    verb.add_option("--holdout", holdout,
+                    "Which cameras are held out for the test: a number of them (0: none), a share (12.5%), both spread "
+                    "evenly, or names (cam03,cam07). The same for train, eval and dataset (default: those that the "
+                    "files name, else every 8th)");
+}
+
 void add_up_option(Command verb, std::optional<voctree::UpAxis>& up) {
     static constexpr const char* kNames[] = {"z", "y"};  // of UpAxis
     add_choice(verb, "--up", up, kNames,

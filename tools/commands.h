@@ -48,6 +48,8 @@ inline uint64_t bytes_of_mebibytes(double mebibytes) {
 
 // --format, for the verbs that read data sets.
 void add_format_option(Command verb, std::string& format);
+// --holdout, for those that tell training from test.
+void add_holdout_option(Command verb, std::string& holdout);
 
 // --up, for the verbs that take a PlenOctree.
 void add_up_option(Command verb, std::optional<voctree::UpAxis>& up);

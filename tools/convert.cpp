@@ -24,6 +24,7 @@
 #include "voctree/frames.h"
 #include "voctree/nvv.h"
 #include "voctree/round.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::tools {
 
@@ -102,7 +103,8 @@ void convert_file(const gpu::Device& device, const voctree::ClipSegment& file, c
         outcome.error = std::max(outcome.error, error_of(rounding.strength));
         outcome.images += options.views;
     }
-    voctree::write_nvv(output, result, {}, options.compression, voctree::coarse_tree(result));
+    const voctree::ChunkOfFrame chunk(voctree::read_world_frame(file.file));
+    voctree::write_nvv(output, result, chunk.views(), options.compression, voctree::coarse_tree(result));
     outcome.leaves_before += tree.leaf_count;
     outcome.leaves += result.leaf_count;
     outcome.bytes_before += bytes_before;

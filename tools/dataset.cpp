@@ -1,5 +1,6 @@
 // neuvv dataset: what the program finds in a data set, to be looked at before hours of training.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -20,6 +21,7 @@
 #include "training/hull_box.h"
 #include "training/images.h"
 #include "training/layouts/formats.h"
+#include "training/make_mattes.h"
 
 namespace neuvv::tools {
 
@@ -30,7 +32,7 @@ constexpr size_t kMaxPrintedNames = 40;
 constexpr uint32_t kSheetCell = 200;  // pixels a side, of the contact sheet
 
 struct DatasetOptions {
-    std::string folder, format = training::kAnyFormat, split = "train", output;
+    std::string folder, format = training::kAnyFormat, holdout, split = "train", output;
     bool search_rig = false;
 };
 
@@ -161,6 +163,14 @@ void print_frames(const training::Rig& rig) {
                                                                   rig.shots.size(), whole - rig.shots.size()));
 }
 
+// Where the mattes come from, and what they overrule.
+std::string sources_text(const std::vector<std::string>& sources) {
+    if (sources.empty()) return "";
+    if (sources.size() == 1) return "; from " + sources[0];
+    return fmt::format("; from {}, which overrules {}", sources[0],
+                       fmt::join(sources.begin() + 1, sources.end(), " and "));
+}
+
 void print_layers(const training::Rig& rig, const DatasetOptions& options, const std::optional<double>& matte) {
     const auto masks = std::count_if(rig.shots.begin(), rig.shots.end(),
                                      [](const training::Shot& shot) { return !shot.mask.path.empty(); });
@@ -170,13 +180,18 @@ void print_layers(const training::Rig& rig, const DatasetOptions& options, const
                 masks == 0 ? "none" : fmt::format("{}; {}", masks, kMaskTexts[static_cast<size_t>(rig.masks)]));
     print_field("plates", plates == 0 ? "none" : fmt::format("of {} cameras", plates));
     print_field("mattes",
-                matte ? fmt::format("yes; the performer fills {:.1f} % of an image", 100 * *matte)
+                matte ? fmt::format("yes; the performer fills {:.1f} % of an image{}", 100 * *matte,
+                                    sources_text(training::matte_sources({rig})))
                       : fmt::format("none, and training needs them: make them with `neuvv matte {}`", options.folder));
 }
 
-void print_box(const std::optional<Box>& given, const Finding<Box>& hull) {
-    const auto text = [](const Box& box) {
-        const auto& [a, b] = box;
+// Boxes are printed in the coordinates of the capture.
+void print_box(const training::Rig& rig, const Finding<Box>& hull) {
+    const std::optional<Box>& given = rig.box;
+    const auto text = [&](const Box& box) {
+        const glm::dvec3 a = rig.frame.to_capture(box.first), b = rig.frame.to_capture(box.second);
+        if (rig.frame.unit < 1)
+            return fmt::format("({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})", a.x, a.y, a.z, b.x, b.y, b.z);
         return fmt::format("({:.3f}, {:.3f}, {:.3f}) to ({:.3f}, {:.3f}, {:.3f})", a.x, a.y, a.z, b.x, b.y, b.z);
     };
     print_field("box", given ? text(*given) + ", given by the files" : "not given");
@@ -218,7 +233,8 @@ void draw(const std::filesystem::path& folder, const training::Rig& rig, const s
 void report_rig(const DatasetOptions& options, const CommonOptions& common) {
     catch_stop_signals();
     const gpu::Device device(common.device);
-    const training::Rig rig = training::read_rig(options.folder, training::Split::kTrain, options.format);
+    const training::Rig rig =
+        training::read_rig(options.folder, training::Split::kTrain, options.format, options.holdout);
     training::Dataset dataset = training::read_images(rig, {.format = options.format});
     training::ignore_doubtful_mattes(dataset);
     const auto found = search_rig(device, dataset, {.steps = 1}, {true, true, true}, true);
@@ -240,13 +256,13 @@ void run(const DatasetOptions& options) {
         prepare_results("--output", options.output, names);
     }
     const auto read = [&](training::Split split) {
-        return try_to_find([&] { return training::read_rig(options.folder, split, options.format); });
+        return try_to_find([&] { return training::read_rig(options.folder, split, options.format, options.holdout); });
     };
     const Finding<training::Rig> train = read(training::Split::kTrain), test = read(training::Split::kTest);
     const Finding<training::Rig>& requested = options.split == "train" ? train : test;
     if (!requested.found)  // throws its InputError again
         training::read_rig(options.folder, options.split == "train" ? training::Split::kTrain : training::Split::kTest,
-                           options.format);
+                           options.format, options.holdout);
     const training::Rig& rig = *requested.found;
     const training::Rig sample = sample_of(rig);
     training::Dataset images = training::read_images(sample, {.mattes_needed = false});
@@ -267,7 +283,7 @@ void run(const DatasetOptions& options) {
     print_lenses(rig, images);
     print_frames(rig);
     print_layers(rig, options, matte);
-    print_box(rig.box, hull);
+    print_box(rig, hull);
     print_memory(rig, sample, images);
     for (const std::string& remark : rig.remarks) print_field("note", remark);
     fmt::print("{}", doubtful_mattes_text(images, doubtful));
@@ -285,6 +301,7 @@ void add_dataset(Command app, CommonOptions& common) {
     const auto options = std::make_shared<DatasetOptions>();
     verb.add_option("dataset", options->folder, "The data set's folder").required();
     add_format_option(verb, options->format);
+    add_holdout_option(verb, options->holdout);
     verb.add_option("--split", options->split, "Whose images are read").one_of({"train", "test"}).show_default();
     verb.add_option("-o,--output", options->output,
                     "Write rig.png (cameras and the scene's box from above and from the side; train blue, test "

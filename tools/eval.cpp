@@ -27,6 +27,7 @@
 #include "training/evaluation/lpips.h"
 #include "training/layouts/formats.h"
 #include "voctree/clip_index.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::tools {
 
@@ -41,8 +42,8 @@ const std::map<std::string, training::Split> kSplits = {
     {"test", training::Split::kTest}, {"train", training::Split::kTrain}, {"val", training::Split::kVal}};
 
 struct EvalOptions {
-    std::string scene, dataset, format = training::kAnyFormat, split = "test", json, images, html, per = "camera",
-                                lpips;
+    std::string scene, dataset, format = training::kAnyFormat, holdout, split = "test", json, images, html,
+                                per = "camera", lpips;
     uint32_t samples = kMeasureSamples;
     bool align = false;
     std::optional<voctree::UpAxis> up;
@@ -222,8 +223,10 @@ void say_what_was_written(const EvalOptions& options) {
 void run(const EvalOptions& options, const CommonOptions& common) {
     prepare_outputs(options);
     const voctree::ClipIndex clip = voctree::read_clip_index(options.scene, up_of(options.scene, options.up));
-    training::Dataset dataset =
-        training::load_dataset(options.dataset, kSplits.at(options.split), {.format = options.format});
+    training::Dataset dataset = training::load_dataset(options.dataset, kSplits.at(options.split),
+                                                       {.format = options.format, .holdout = options.holdout});
+    print_remarks(dataset.remarks);
+    training::change_frame(dataset, voctree::read_world_frame(options.scene));
     if (clip.frames() != dataset.times.size())
         say("neuvv: {} has {} frames, {} has images of {} times: each is compared with the scene at its time\n",
             options.scene, clip.frames(), options.dataset, dataset.times.size());
@@ -282,6 +285,7 @@ void add_eval(Command app, CommonOptions& common) {
     verb.add_option("scene", options->scene, "The .nvv, in segments or not, or the .npz of a PlenOctree").required();
     verb.add_option("dataset", options->dataset, "The data set's folder").required();
     add_format_option(verb, options->format);
+    add_holdout_option(verb, options->holdout);
     verb.add_option("--split", options->split, "Which of its images").one_of({"test", "train", "val"}).show_default();
     add_samples_option(verb, options->samples);
     add_up_option(verb, options->up);

@@ -20,6 +20,7 @@
 #include "voctree/clip_index.h"
 #include "voctree/half.h"
 #include "voctree/nvv.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::tools {
 
@@ -54,6 +55,23 @@ bool is_nvv(const voctree::NvvSummary& summary) {
     return summary.version != 0;
 }
 
+// Where the clip's origin and metre are in the coordinates of its capture; null where those are the same.
+nlohmann::ordered_json capture_json(const std::string& clip) {
+    const voctree::WorldFrame frame = voctree::read_world_frame(clip);
+    if (frame.is_same()) return nullptr;
+    return {{"origin", {frame.origin.x, frame.origin.y, frame.origin.z}}, {"unit", frame.unit}};
+}
+
+// The same as a line for people; empty where the coordinates are the same.
+std::string capture_line(const std::string& clip) {
+    const voctree::WorldFrame frame = voctree::read_world_frame(clip);
+    if (frame.is_same()) return "";
+    const glm::dvec3& o = frame.origin;
+    return fmt::format(
+        "capture its origin is ({:.15g}, {:.15g}, {:.15g}) of the capture, its metre {:.6g} of its units\n", o.x, o.y,
+        o.z, frame.unit);
+}
+
 nlohmann::ordered_json json_of(const InfoOptions& options, const voctree::NvvSummary& summary) {
     const voctree::NvvHead& head = summary.head;
     const glm::vec3 low = head.box_min, high = head.box_min + head.box_size;
@@ -65,6 +83,7 @@ nlohmann::ordered_json json_of(const InfoOptions& options, const voctree::NvvSum
             {"version", is_nvv(summary) ? nlohmann::ordered_json(summary.version) : nullptr},
             {"bytes", summary.file_bytes},
             {"box", {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}}},
+            {"capture", capture_json(options.file)},
             {"node_levels", head.node_levels},
             {"cells_per_side", 1u << (2 * head.node_levels)},
             {"nodes", head.node_count},
@@ -88,6 +107,7 @@ void print(const InfoOptions& options, const voctree::NvvSummary& summary) {
     fmt::print("clip    {} frames at {} fps, {:.2f} s\n", head.frames, head.fps, clip_seconds(head));
     fmt::print("box     ({:.3f}, {:.3f}, {:.3f}) to ({:.3f}, {:.3f}, {:.3f}) m\n", low.x, low.y, low.z, high.x, high.y,
                high.z);
+    fmt::print("{}", capture_line(options.file));
     fmt::print("octree  {} leaves in {} nodes of {} levels, up to {} cells a side\n", head.leaf_count, head.node_count,
                head.node_levels, 1u << (2 * head.node_levels));
     fmt::print("leaf    {} weights: C = {} twice, n_max = {} ({} functions) for R, G, B\n", weights_per_leaf(head),
@@ -173,12 +193,14 @@ SegmentProblems print_segments(const InfoOptions& options) {
                                     {"frames", index.frames()},
                                     {"fps", index.fps},
                                     {"seconds", seconds},
+                                    {"capture", capture_json(options.file)},
                                     {"segments", json},
                                     {"checked", options.check}}));
         return problems;
     }
-    fmt::print("{}: clip in {} segments, {}\nclip    {} frames at {} fps, {:.2f} s\n{}", options.file,
-               index.segments.size(), size_text(bytes), index.frames(), index.fps, seconds, lines);
+    fmt::print("{}: clip in {} segments, {}\nclip    {} frames at {} fps, {:.2f} s\n{}{}", options.file,
+               index.segments.size(), size_text(bytes), index.frames(), index.fps, seconds, capture_line(options.file),
+               lines);
     return problems;
 }
 

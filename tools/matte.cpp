@@ -37,12 +37,29 @@ void expect_other_folder(const training::MatteJob& what) {
                              "holds what mattes are made of, and they would replace it", "choose another folder");
 }
 
-void run_matte(training::MatteJob what) {
+struct MatteOptions {
+    training::MatteJob what;
+    bool overrule = false;
+};
+
+// Mattes that this verb makes overrule what a data set has, and are worse than most of it.
+void expect_no_mattes(const training::MatteJob& what) {
+    std::vector<std::string> sources = training::matte_sources(what);
+    std::erase(sources, "mattes/");  // of which --overwrite decides
+    if (!sources.empty())
+        throw InputError(what.dataset.string(), "",
+                         fmt::format("has mattes already, {}, which new ones would overrule in training", sources[0]),
+                         "leave it as it is, or give --overrule");
+}
+
+void run_matte(MatteOptions options) {
+    training::MatteJob& what = options.what;
     if (what.output.empty()) what.output = what.dataset / "mattes";
     expect_other_folder(what);
     if (!may_overwrite() && training::count_existing_mattes(what) > 0)
         throw InputError(what.output.string(), "", "holds mattes of this data set already, perhaps corrected by hand",
                          "--overwrite replaces them");
+    if (!options.overrule) expect_no_mattes(what);
     prepare_output_folder("--output", what.output);
     catch_stop_signals();
     Progress progress("matte");
@@ -62,8 +79,8 @@ void run_matte(training::MatteJob what) {
 }  // namespace
 
 void add_matte(Command app, CommonOptions&) {
-    auto job = std::make_shared<training::MatteJob>();
-    training::MatteJob& what = *job;
+    auto options = std::make_shared<MatteOptions>();
+    training::MatteJob& what = options->what;
     Command verb = app.add_verb("matte", "Find the performer in images that have no alpha");
     verb.add_option("dataset", what.dataset, "The data set's folder (see training/layouts/README.md)").required();
     add_format_option(verb, what.format);
@@ -77,8 +94,12 @@ void add_matte(Command app, CommonOptions&) {
         .number_between(1, 250)
         .show_default()
         .excludes(from);
+    verb.add_flag(
+        "--overrule", options->overrule,
+        "Make mattes even of a data set that has masks, or images with an alpha: what is made counts instead");
     verb.footer(
-        {"The background of a camera is its clean plate, or else, per pixel, the median of up to 31 of its images:\n"
+        {"The background of a camera is its clean plate (plates/CAMERA.png, or a video there), or else, per pixel, the "
+         "median of up to 31 of its images:\n"
          "right where the performer stands for less than half of the clip. Each matte is an 8-bit grey PNG named after "
          "its\n"
          "image; correct those that are wrong in any image editor: `neuvv train` and `eval` read them. OUTPUT/\n"
@@ -87,7 +108,7 @@ void add_matte(Command app, CommonOptions&) {
          "  neuvv matte studio\n"
          "  neuvv matte studio --threshold 20 --overwrite\n"
          "  neuvv matte studio --from rotoscoped"});
-    verb.callback([job] { run_matte(*job); });
+    verb.callback([options] { run_matte(*options); });
 }
 
 }  // namespace neuvv::tools

@@ -65,7 +65,8 @@ std::optional<StagedPerformer> open_stage(const PaintOptions& options, PaintedSc
 
 // The camera of --key on the camera path.
 stage::Camera path_camera(const PaintOptions& options, media::ImageSize size) {
-    const stage::CameraPath path = training::read_camera_path(options.camera, 1);
+    const stage::CameraPath path =
+        training::read_camera_path(options.camera, 1, voctree::read_world_frame(options.scene));
     const uint32_t key = options.key.value_or(0);
     if (key >= path.keys.size())
         throw InputError(options.camera, fmt::format("frame {}", key), "is not there",

@@ -122,7 +122,8 @@ std::vector<ViewStep> view_path(const RenderOptions& options, const RenderPlan& 
                                 media::ImageSize size) {
     playback.output_fps = checked_fps(options, 0, playback.clip_fps);
     if (options.camera.empty()) return orbit_path(plan.box, playback, size.width ? size : kClipSize);
-    const stage::CameraPath path = training::read_camera_path(options.camera, playback.output_fps);
+    const stage::CameraPath path =
+        training::read_camera_path(options.camera, playback.output_fps, voctree::read_world_frame(options.scene));
     playback.output_fps = checked_fps(options, path.fps, playback.clip_fps);
     return path_steps(path, playback, plan.clip.frames(), size, kClipSize);
 }

@@ -150,4 +150,8 @@ void tell_not_shown(const std::vector<std::string>& problems) {
     for (const std::string& problem : problems) say("neuvv: not shown: {}\n", problem);
 }
 
+void print_remarks(const std::vector<std::string>& remarks) {
+    for (const std::string& remark : remarks) fmt::print(stderr, "note: {}\n", remark);
+}
+
 }  // namespace neuvv::tools

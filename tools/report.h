@@ -93,4 +93,7 @@ void tell_notes(const std::string& file, const std::vector<std::string>& notes);
 // Says which segments of clips cannot be read, and so are not shown (StageRenderer::take_problems).
 void tell_not_shown(const std::vector<std::string>& problems);
 
+// Says on stderr what the loader of a data set decided by itself.
+void print_remarks(const std::vector<std::string>& remarks);
+
 }  // namespace neuvv::tools

@@ -241,7 +241,9 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     }
     catch_stop_signals(kEndless);
     catch_batch_signals();
-    const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
+    const training::Rig rig =
+        training::read_rig(options.dataset, training::Split::kTrain, options.format, options.holdout);
+    if (ranks.is_first()) print_remarks(rig.remarks);
     const std::optional<media::Sound> audio = ranks.is_first() ? read_audio(options) : std::nullopt;
     const auto write_audio = [&] {
         if (audio) media::write_sound(voctree::sound_file(options.output), *audio);
@@ -343,6 +345,7 @@ void add_train(Command app, CommonOptions& common) {
     Command verb = app.add_verb("train", "Train a volumetric video from a calibrated multi-view video");
     verb.add_option("dataset", options->dataset, "The data set's folder (see training/layouts/README.md)").required();
     add_format_option(verb, options->format);
+    add_holdout_option(verb, options->holdout);
     verb.add_option(
             "-o,--output", options->output,
             "The .nvv to write, with its .state beside it. One that is there is trained on by --resume; --overwrite "

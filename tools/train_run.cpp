@@ -30,7 +30,7 @@ constexpr double kPreviewPeriod_s = 3, kPreviewShare = 0.05;  // at least; of th
 training::Dataset load_preview_data(const TrainOptions& options, const training::Dataset& training,
                                     const training::LoadOptions& load) {
     try {
-        training::Rig rig = training::read_rig(training.folder, training::Split::kTest, load.format);
+        training::Rig rig = training::read_rig(training.folder, training::Split::kTest, load.format, load.holdout);
         if (options.frames) rig = options.frames->of(rig);
         if (rig.shots.empty())
             throw InputError(training.folder.string(), "", "has no held-out image of these frames",
@@ -138,6 +138,7 @@ voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& 
 training::LoadOptions load_options(const TrainOptions& options) {
     const bool given = options.image_gigabytes > 0;
     return {.format = options.format,
+            .holdout = options.holdout,
             .may_be_empty = options.frames.has_value(),
             .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.image_gigabytes) : training::image_budget()};
 }
@@ -177,7 +178,8 @@ void write_empty(const TrainOptions& options, const training::Dataset& dataset) 
     tree.sigma_basis = voctree::hat_basis(tree.frames, 1);
     tree.gamma_basis = tree.sigma_basis;
     voctree::build_topology(tree, {});
-    voctree::write_nvv(options.output, tree);
+    const voctree::ChunkOfFrame chunk(dataset.frame);
+    voctree::write_nvv(options.output, tree, chunk.views());
     fmt::print("wrote {}: no image of it shows the performer\n", options.output.string());
 }
 

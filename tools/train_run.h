@@ -39,7 +39,7 @@ struct TrainOptions {
     std::string from, to;  // the part of a segmented clip that is trained again, as the user wrote it; empty: all
     bool plan = false;     // of a segmented clip: only write the folder and its index
     std::optional<ClipPart> frames;  // of the segment that is trained; nothing: a whole clip
-    std::string format = training::kAnyFormat;
+    std::string format = training::kAnyFormat, holdout;
     training::TrainSettings settings;
     double max_megabytes = 0, image_gigabytes = 0;
     bool uniform = false;

@@ -125,10 +125,9 @@ void expect_path_times(const stage::CameraPath& path, const JsonNode& keys) {
             path.cyclic ? "give a loop time to come back to its first key" : "give the whole duration");
 }
 
-stage::CameraPath read_camera_path(const std::filesystem::path& file, double views_per_s) {
-    const std::string ending = lower_case(file.extension().string());
-    if (ending == ".usda") return interchange::read_camera_usda(file);
-    if (ending == ".gltf" || ending == ".glb") return stage::path_of_camera(stage::load_stage(file), "", views_per_s);
+namespace {
+
+stage::CameraPath path_of_document(const std::filesystem::path& file, double views_per_s) {
     const JsonFile document = read_json(file, "a camera path: a transforms.json, or one of instant-ngp or nerfstudio");
     const JsonNode root = document.root();
     if (root.has("frames")) return transforms_path(document, views_per_s);
@@ -136,6 +135,23 @@ stage::CameraPath read_camera_path(const std::filesystem::path& file, double vie
     if (root.has("camera_path") || root.has("keyframes")) return nerfstudio_path(root);
     root.fail("is no camera path: it has neither frames nor path nor camera_path",
               "give a transforms.json, or a camera path of instant-ngp or nerfstudio");
+}
+
+}  // namespace
+
+stage::CameraPath in_capture(stage::CameraPath path, const voctree::WorldFrame& frame) {
+    for (stage::CameraPathKey& key : path.keys) key.position = frame.to_capture(key.position);
+    return path;
+}
+
+stage::CameraPath read_camera_path(const std::filesystem::path& file, double views_per_s,
+                                   const voctree::WorldFrame& frame) {
+    const std::string ending = lower_case(file.extension().string());
+    if (ending == ".gltf" || ending == ".glb") return stage::path_of_camera(stage::load_stage(file), "", views_per_s);
+    stage::CameraPath path =
+        ending == ".usda" ? interchange::read_camera_usda(file) : path_of_document(file, views_per_s);
+    for (stage::CameraPathKey& key : path.keys) key.position = frame.from_capture(key.position);
+    return path;
 }
 
 void write_camera_path(const std::filesystem::path& file, const stage::CameraPath& path) {

@@ -5,15 +5,21 @@
 #include <filesystem>
 
 #include "stage/camera_path.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::training {
 
 // A .usda has OpenUSD's camera, a .gltf or .glb that of a stage, with `views_per_s` keys a second where it moves
 // (stage::path_of_camera). Of JSON, recognises the format by its keys: `frames` (a transforms.json), `path`
 // (instant-ngp), `camera_path` or `keyframes` (nerfstudio). The frames of a transforms.json without `seconds` are
-// separate views, `views_per_s` of them a second (Interpolation::kCut). Throws InputError with the file and the place
-// in its JSON.
-stage::CameraPath read_camera_path(const std::filesystem::path& file, double views_per_s);
+// separate views, `views_per_s` of them a second (Interpolation::kCut). But for stages, files have the coordinates of
+// the capture, and the path those of its clip, which stands there by `frame`. Throws InputError with the file and the
+// place in its JSON.
+stage::CameraPath read_camera_path(const std::filesystem::path& file, double views_per_s,
+                                   const voctree::WorldFrame& frame = {});
+
+// The path of a clip in the coordinates of its capture, to be written.
+stage::CameraPath in_capture(stage::CameraPath path, const voctree::WorldFrame& frame);
 
 // Writes a transforms.json with `seconds`, which reads back as the same path. The file is replaced atomically.
 void write_camera_path(const std::filesystem::path& file, const stage::CameraPath& path);

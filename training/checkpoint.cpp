@@ -331,15 +331,16 @@ uint32_t save_checkpoint(const std::filesystem::path& nvv, Checkpoint checkpoint
     checkpoint.tree.weights = std::move(weights);
     checkpoint.first = {};
     checkpoint.second = {};
-    return save_compact(nvv, std::move(checkpoint.tree));
+    return save_compact(nvv, std::move(checkpoint.tree), checkpoint.frame);
 }
 
-uint32_t save_compact(const std::filesystem::path& nvv, voctree::VOctree tree) {
+uint32_t save_compact(const std::filesystem::path& nvv, voctree::VOctree tree, const voctree::WorldFrame& frame) {
     const TraceSpan span("write the clip");
     empty_thin_leaves(tree);
     voctree::drop_empty_leaves(tree);
     make_compact(tree);
-    voctree::write_nvv(nvv, tree, {}, 1, voctree::coarse_tree(tree));
+    const voctree::ChunkOfFrame chunk(frame);
+    voctree::write_nvv(nvv, tree, chunk.views(), 1, voctree::coarse_tree(tree));
     return tree.leaf_count;
 }
 

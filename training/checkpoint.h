@@ -7,6 +7,7 @@
 #include "training/rig_changes.h"
 #include "training/schedule.h"
 #include "training/step.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::training {
 
@@ -42,8 +43,9 @@ struct Checkpoint {
     std::vector<uint16_t> first, second;         // moments of the weights, bfloat16, in planes
     std::vector<float> rows_first, rows_second;  // moments of A, then those of B
     LeafUse use;
-    CameraColours colours;  // empty where the run does not refine them
-    RigChanges rig;         // empty where the run did not correct the rig
+    CameraColours colours;        // empty where the run does not refine them
+    RigChanges rig;               // empty where the run did not correct the rig
+    voctree::WorldFrame frame{};  // of the data set, which the .nvv remembers
 };
 
 std::filesystem::path state_path(const std::filesystem::path& nvv);
@@ -59,7 +61,7 @@ Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tre
 uint32_t save_checkpoint(const std::filesystem::path& nvv, Checkpoint checkpoint);
 
 // Writes the .nvv alone, made compact (compact.h). Returns how many leaves it has. Throws RuntimeFailure.
-uint32_t save_compact(const std::filesystem::path& nvv, voctree::VOctree tree);
+uint32_t save_compact(const std::filesystem::path& nvv, voctree::VOctree tree, const voctree::WorldFrame& frame = {});
 
 // Throws InputError where the checkpoint file is missing, damaged or not of a training run.
 Checkpoint load_checkpoint(const std::filesystem::path& nvv);

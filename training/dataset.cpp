@@ -10,7 +10,16 @@
 namespace neuvv::training {
 
 Dataset load_dataset(const std::filesystem::path& folder, Split split, const LoadOptions& options) {
-    return read_images(read_rig(folder, split, options.format), options);
+    return read_images(read_rig(folder, split, options.format, options.holdout), options);
+}
+
+void change_frame(Dataset& dataset, const voctree::WorldFrame& frame) {
+    if (dataset.frame == frame) return;
+    const auto moved = [&](const glm::dvec3& p) { return frame.from_capture(dataset.frame.to_capture(p)); };
+    for (stage::Camera& camera : dataset.cameras)
+        camera.world_from_camera = frame.pose_from_capture(dataset.frame.pose_to_capture(camera.world_from_camera));
+    if (dataset.box) dataset.box = {moved(dataset.box->first), moved(dataset.box->second)};
+    dataset.frame = frame;
 }
 
 uint64_t image_budget() {

@@ -12,6 +12,7 @@
 #include "base/platform.h"
 #include "stage/camera.h"
 #include "training/tiled_image.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::training {
 
@@ -32,7 +33,9 @@ struct Dataset {
     // Where the views' pixels lie (null: plain memory). The first member, so that it is destroyed last.
     std::shared_ptr<SpooledMemory> spool;
     std::filesystem::path folder;
-    std::vector<stage::Camera> cameras;  // distinct poses and intrinsics, in order of first use
+    std::string format = {};                     // its layout, as in Rig
+    std::vector<stage::Camera> cameras;          // distinct poses and intrinsics, in order of first use
+    std::vector<std::string> camera_names = {};  // as in the files; empty where there are none
     std::vector<View> views;
     // Clean plates by camera (an empty image: none). Where a camera has one, RGB of its views is the captured image,
     // background included; elsewhere RGB is the foreground's own colour under straight alpha.
@@ -40,16 +43,25 @@ struct Dataset {
     std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // min, max in metres, where the files give one
     double fps = 0;                                        // 0 where the files give none
     std::vector<double> times;                             // distinct, ascending
+    // The frame of the capture's coordinates in which cameras and box are, and in which a clip is trained.
+    voctree::WorldFrame frame{};
+    std::vector<std::string> remarks = {};  // what the loader of the layout decided by itself
 };
 
-enum class Split { kTrain, kTest, kVal };  // only some layouts have kVal
+// Only some layouts have kVal. kAll is what loaders read where the user holds out cameras (layouts/holdout.h): training
+// and test.
+enum class Split { kTrain, kTest, kVal, kAll };
 
 struct LoadOptions {
     std::string format = "auto";  // one of format_names()
+    std::string holdout = {};     // which cameras are held out (layouts/holdout.h); empty: as the layout has it
     bool mattes_needed = true;    // false: images without a matte are taken as they are
     bool may_be_empty = false;    // whether it is right that no image shows anything, as before the performer enters
     uint64_t memory_bytes = 0;    // memory that images may take (0: image_budget()); those beyond it lie on disk
 };
+
+// Moves the data set's cameras and box into the frame in which a clip was trained.
+void change_frame(Dataset& dataset, const voctree::WorldFrame& frame);
 
 // The default of LoadOptions::memory_bytes: half of the free memory, as the model needs memory, too.
 uint64_t image_budget();

@@ -24,6 +24,13 @@ double reach_from(const stage::Camera& camera, const glm::dvec3& point) {
                             std::max(camera.cy + down, camera.height - camera.cy - down) / camera.fy);
 }
 
+// What a data set without a box needs where its cameras do not say where the scene is, in the files of its layout.
+const char* box_fix(const std::string& format) {
+    if (format == "nerf" || format.empty()) return "add \"aabb\": [[x,y,z],[x,y,z]] in metres to the transforms file";
+    if (format == "colmap") return "put points3D.bin or .txt of at least 100 points beside images.bin";
+    return "add a camera that looks from another side";
+}
+
 // Where the cameras look: a cube around the point nearest to all optical axes, which holds what any image shows there.
 std::pair<glm::dvec3, glm::dvec3> box_from_cameras(const Dataset& dataset) {
     glm::dmat3 normal(0);
@@ -36,8 +43,7 @@ std::pair<glm::dvec3, glm::dvec3> box_from_cameras(const Dataset& dataset) {
     }
     if (std::abs(glm::determinant(normal)) < 1e-9)
         throw InputError(dataset.folder.string(), "",
-                         "all cameras look the same way, so the scene's position is unknown",
-                         "add \"aabb\": [[x,y,z],[x,y,z]] in metres to the transforms file");
+                         "all cameras look the same way, so the scene's position is unknown", box_fix(dataset.format));
     const glm::dvec3 centre = glm::inverse(normal) * right;
     double half = 0;
     for (const stage::Camera& camera : dataset.cameras) half = std::max(half, reach_from(camera, centre));

@@ -98,7 +98,8 @@ class CameraLoader {
         }
         if (!from_.plate.path.empty()) {
             media::Image& plate = dataset_.plates[camera_];
-            plate = read(images_, from_.plate);
+            plate = read_plate(from_.plate,
+                               [&](media::ImageSize found) { expect_size(found, from_.plate, size_, whose_); });
             if (map_) plate = undistort(plate, *map_, ColourOf::kCapture);
         }
         for (const uint32_t shot : shots) load_view(rig_.shots[shot], dataset_.views[shot]);
@@ -243,7 +244,10 @@ ImageCount image_count(const Rig& rig) {
 Dataset read_images(const Rig& rig, const LoadOptions& options) {
     Dataset dataset;
     dataset.folder = rig.folder;
+    dataset.format = rig.format;
     dataset.box = rig.box;
+    dataset.frame = rig.frame;
+    dataset.remarks = rig.remarks;
     dataset.fps = rig.fps;
     dataset.times = times_of(rig);
     std::vector<std::vector<uint32_t>> shots(rig.cameras.size());  // indices into rig.shots by camera
@@ -252,6 +256,7 @@ Dataset read_images(const Rig& rig, const LoadOptions& options) {
     dataset.spool = make_spool(rig, dataset.cameras, options);
     for (const Shot& shot : rig.shots)
         dataset.views.push_back({shot.name, shot.camera, shot.time, TiledImage(dataset.spool.get())});
+    for (const RigCamera& camera : rig.cameras) dataset.camera_names.push_back(camera.name);
     dataset.plates.resize(rig.cameras.size());
     parallel_for(rig.cameras.size(), 1, [&](size_t begin, size_t end) {
         for (size_t c = begin; c < end; ++c) CameraLoader(rig, static_cast<uint32_t>(c), dataset).load(shots[c]);

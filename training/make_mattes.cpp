@@ -84,6 +84,19 @@ media::Image grey_image(const media::Image& like, const std::vector<uint8_t>& va
     return image;
 }
 
+// Where the calibration says how large images are, others are not decoded. The rig and the source must outlive it.
+ImageReader::ExpectSize size_of_camera(const Rig& rig, uint32_t camera, const ImageSource& source) {
+    const Lens& lens = rig.cameras[camera].lens;
+    if (lens.width == 0) return {};
+    return [&](media::ImageSize size) {
+        if (size.width != lens.width || size.height != lens.height)
+            throw InputError(source.path.string(), "",
+                             fmt::format("is {}×{}, but its camera in {} says {}×{}", size.width, size.height,
+                                         rig.file, lens.width, lens.height),
+                             "give all images and mattes of a camera the size that its calibration is for");
+    };
+}
+
 // Makes the mattes of one camera after the other.
 class MatteMaker {
   public:
@@ -129,7 +142,7 @@ class MatteMaker {
 media::Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots) {
     if (!rig.cameras[camera].plate.path.empty()) {
         ++plates_;
-        return read(images_, rig, camera, rig.cameras[camera].plate);
+        return read_plate(rig.cameras[camera].plate, size_of_camera(rig, camera, rig.cameras[camera].plate));
     }
     if (shots.size() < kMinMedianFrames)
         throw InputError(rig.file, "camera " + rig.cameras[camera].name,
@@ -147,18 +160,10 @@ media::Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const st
     return median_background(frames);
 }
 
-// Where the calibration says how large images are, others are not decoded.
 media::Image MatteMaker::read(ImageReader& reader, const Rig& rig, uint32_t camera, const ImageSource& source) {
-    const Lens& lens = rig.cameras[camera].lens;
-    if (lens.width == 0) return reader.read(source);
-    return reader.read(source, [&](media::ImageSize size) {
-        if (size.width != lens.width || size.height != lens.height)
-            throw InputError(source.path.string(), "",
-                             fmt::format("is {}×{}, but its camera {} in {} says {}×{}", size.width, size.height,
-                                         rig.cameras[camera].name, rig.file, lens.width, lens.height),
-                             "give all images and mattes of a camera the size that its calibration is for");
-    });
+    return reader.read(source, size_of_camera(rig, camera, source));
 }
+
 
 media::Image MatteMaker::external_matte(const Rig& rig, const Shot& shot) {
     std::vector<ImageSource> candidates{{job_.from / (shot.name + ".png"), -1}};
@@ -233,6 +238,40 @@ MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress) {
     summary.cameras_with_plate = maker.plates();
     summary.missing_split = rigs.missing;
     return summary;
+}
+
+std::vector<std::string> matte_sources(const std::vector<Rig>& splits) {
+    constexpr size_t kMostImages = 8;  // of a split, whose alpha is looked at
+    bool mattes = false, masks = false, alpha = false;
+    std::filesystem::path masks_folder;
+    std::error_code ignored;
+    for (const Rig& rig : splits) {
+        const bool means_matte = rig.masks == MaskMeaning::kMatte || rig.masks == MaskMeaning::kLabels;
+        std::vector<const Shot*> first(rig.cameras.size());
+        for (const Shot& shot : rig.shots) {
+            mattes |= std::filesystem::is_regular_file(rig.folder / "mattes" / (shot.name + ".png"), ignored);
+            if (means_matte && !shot.mask.path.empty()) {
+                masks = true;
+                masks_folder = shot.mask.path.lexically_relative(rig.folder);
+            }
+            if (!first[shot.camera]) first[shot.camera] = &shot;
+        }
+        for (size_t i = 0; i < std::min(first.size(), kMostImages) && !alpha; ++i) {
+            const Shot* shot = first[i * first.size() / std::min(first.size(), kMostImages)];
+            if (!shot) continue;
+            const media::Image image = ImageReader().read(shot->image);
+            for (size_t at = 3; at < image.rgba.size() && !alpha; at += 4) alpha = image.rgba[at] != 255;
+        }
+    }
+    std::vector<std::string> sources;
+    if (mattes) sources.emplace_back("mattes/");
+    if (masks) sources.push_back(masks_folder.begin()->string() + "/");
+    if (alpha) sources.emplace_back("the alpha of the images");
+    return sources;
+}
+
+std::vector<std::string> matte_sources(const MatteJob& job) {
+    return matte_sources(read_rigs(job).all);
 }
 
 uint64_t count_existing_mattes(const MatteJob& job) {

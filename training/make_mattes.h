@@ -10,9 +10,8 @@
 
 namespace neuvv::training {
 
-// How many images of a camera without clean plate its background is the median of. With fewer than the minimum, the
-// median says nothing about the background.
-constexpr uint32_t kMaxMedianFrames = 31, kMinMedianFrames = 5;
+// With fewer images of a camera without clean plate, their median says nothing about the background.
+constexpr uint32_t kMinMedianFrames = 5;
 
 struct MatteJob {
     std::filesystem::path dataset, output;  // output: the folder of the mattes
@@ -41,6 +40,12 @@ using MatteProgress = std::function<bool(uint64_t done, uint64_t total)>;
 // images, where two images have one name, and where a matte in `from` is missing or has not the size of its image;
 // RuntimeFailure where a file cannot be written.
 MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress);
+
+// What already says in this data set which pixels show the performer: mattes/, masks that mean mattes, or an alpha of
+// the images, of which one image of each of a few cameras is read. In the order in which they count: each overrules
+// those behind it. Empty where there is none. Throws InputError where neither split can be read.
+std::vector<std::string> matte_sources(const MatteJob& job);
+std::vector<std::string> matte_sources(const std::vector<Rig>& splits);
 
 // How many images have a matte in `output` already, perhaps corrected by hand. Throws InputError where neither split
 // can be read.

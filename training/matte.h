@@ -7,6 +7,9 @@
 
 namespace neuvv::training {
 
+// How many images of a camera its background is the median of at most.
+constexpr uint32_t kMaxMedianFrames = 31;
+
 // The median over frames of a camera that stands still, per pixel and channel. It shows the background wherever the
 // background is visible in more than half of the frames. Needs at least one frame, and frames of one size (assert).
 media::Image median_background(const std::vector<media::Image>& frames);

@@ -23,7 +23,8 @@ std::vector<uint32_t> segment_lengths(uint32_t frames, uint32_t longest) {
 
 Rig rig_of_frames(const Rig& rig, const std::vector<double>& times, uint32_t first, uint32_t count) {
     const double begin = times.at(first), end = times.at(first + count - 1);
-    Rig part{rig.folder, rig.format, rig.file, rig.cameras, {}, rig.masks, rig.box, rig.fps};
+    Rig part{rig.folder, rig.format, rig.file, rig.cameras, {}, rig.masks, rig.box, rig.frame};
+    part.fps = rig.fps;
     for (const Shot& shot : rig.shots) {
         if (shot.time < begin || shot.time > end) continue;
         part.shots.push_back(shot);

@@ -334,7 +334,9 @@ void Run::save() {
     const double start = seconds_now();
     RunState now = run_;
     now.elapsed_s = own_clock().elapsed_s;
-    checkpoints_.begin(output_, take_checkpoint(*step_, tree_, now, colours_, rig_), start);
+    Checkpoint checkpoint = take_checkpoint(*step_, tree_, now, colours_, rig_);
+    checkpoint.frame = dataset_.frame;
+    checkpoints_.begin(output_, std::move(checkpoint), start);
     saved_at_ = seconds_now();
     if (!team().is_alone()) checkpoints_.wait();
 }
@@ -350,7 +352,7 @@ uint32_t Run::fit_to_max_bytes() {
     while (bytes > run_.max_bytes && leaves > 1) {
         GrowSettings settings;
         settings.max_leaves = std::clamp(static_cast<uint32_t>(run_.max_bytes * leaves / bytes), 1u, leaves - 1);
-        leaves = save_compact(output_, grow(dataset_, tree_, use, settings));
+        leaves = save_compact(output_, grow(dataset_, tree_, use, settings), dataset_.frame);
         bytes = std::filesystem::file_size(output_);
     }
     return leaves;

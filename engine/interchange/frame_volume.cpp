@@ -163,4 +163,14 @@ FrameVolume with_depth(FrameVolume volume, uint32_t most_depth) {
     return volume;
 }
 
+FrameVolume scaled(FrameVolume volume, double scale, const glm::dvec3& shift) {
+    volume.box_min = glm::vec3(scale * glm::dvec3(volume.box_min) + shift);
+    volume.box_size *= static_cast<float>(scale);
+    for (VolumeLeaf& leaf : volume.leaves) {
+        leaf.sigma /= static_cast<float>(scale);
+        leaf.shown *= static_cast<float>(scale * scale);
+    }
+    return volume;
+}
+
 }  // namespace neuvv::interchange

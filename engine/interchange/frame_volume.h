@@ -35,6 +35,9 @@ struct FrameVolume {
 // their edge is at least a thousandth. Each counts as shown by its opacity and size, as if nothing hid it.
 FrameVolume frame_volume(const voctree::VOctree& tree, double frame, std::span<const voctree::PaintStep> paint = {});
 
+// The same volume in other lengths, which shows the same images: p becomes scale · p + shift.
+FrameVolume scaled(FrameVolume volume, double scale, const glm::dvec3& shift = glm::dvec3(0));
+
 // The same volume with at most `most_leaves` leaves, or eight where that is less: cells of the finest depth become one,
 // those first of which images show least difference. What they hide and show together stays about the same.
 FrameVolume with_fewer_leaves(FrameVolume volume, size_t most_leaves);

@@ -29,7 +29,7 @@ Json animation_of(size_t frames, double fps, stage::GlbWriter& glb) {
 
 }  // namespace
 
-void add_gltf_frames(stage::GlbWriter& glb, const std::vector<Json>& meshes, double fps) {
+void add_gltf_frames(stage::GlbWriter& glb, const std::vector<Json>& meshes, double fps, const glm::dvec3& origin) {
     Json nodes = Json::array(), with_vertices = Json::array(), shown = Json::array();
     for (size_t i = 0; i < meshes.size(); i++) {
         Json node = {{"name", fmt::format("frame {}", i)}};
@@ -40,6 +40,10 @@ void add_gltf_frames(stage::GlbWriter& glb, const std::vector<Json>& meshes, dou
         }
         nodes.push_back(std::move(node));
         shown.push_back(i);
+    }
+    if (origin != glm::dvec3(0)) {
+        nodes.push_back({{"name", "capture"}, {"translation", {origin.x, origin.y, origin.z}}, {"children", shown}});
+        shown = Json::array({nodes.size() - 1});
     }
     glb.json["scene"] = 0;
     glb.json["scenes"] = Json::array({{{"nodes", shown}}});

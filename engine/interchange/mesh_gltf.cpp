@@ -47,8 +47,8 @@ void MeshGlb::add(const ColouredMesh& frame) {
     meshes_.push_back({{"primitives", nlohmann::ordered_json::array({primitive})}});
 }
 
-void MeshGlb::write(const std::filesystem::path& file, double fps) {
-    add_gltf_frames(glb_, meshes_, fps);
+void MeshGlb::write(const std::filesystem::path& file, double fps, const glm::dvec3& origin) {
+    add_gltf_frames(glb_, meshes_, fps, origin);
     glb_.write(file, "export fewer --frames, or a file for each, as in out_%04d.glb");
 }
 

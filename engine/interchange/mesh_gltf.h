@@ -14,7 +14,7 @@ class MeshGlb {
     void add(const ColouredMesh& frame);
     // A node for each frame, as gltf_frames.h has it; their materials are unlit, as the textures hold light. Written
     // atomically. Throws InputError where it would have more than 4 GiB, RuntimeFailure where it cannot be written.
-    void write(const std::filesystem::path& file, double fps);
+    void write(const std::filesystem::path& file, double fps, const glm::dvec3& origin = glm::dvec3(0));
 
   private:
     stage::GlbWriter glb_;

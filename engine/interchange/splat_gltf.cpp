@@ -96,12 +96,13 @@ size_t glb_bytes_of_splat(uint32_t degree) {
     return sizeof(float) * (3 + 1 + 4 + 3 + 1 + size_t{3} * sh_count(degree));
 }
 
-void write_splat_glb(const std::filesystem::path& file, std::span<const Splats> frames, double fps) {
+void write_splat_glb(const std::filesystem::path& file, std::span<const Splats> frames, double fps,
+                     const glm::dvec3& origin) {
     stage::GlbWriter glb;
     glb.json["extensionsUsed"] = {kSplatExtension};
     std::vector<Json> meshes;
     for (const Splats& splats : frames) meshes.push_back(splats.splats.empty() ? Json() : add_splat_mesh(splats, glb));
-    add_gltf_frames(glb, meshes, fps);
+    add_gltf_frames(glb, meshes, fps, origin);
     glb.write(file, "export fewer --frames, or a file for each, as in out_%04d.glb");
 }
 

@@ -81,16 +81,22 @@ size_t usda_bytes_of_splat(uint32_t degree) {
     return 115 + size_t{36} * sh_count(degree);
 }
 
-void write_splat_usda(const std::filesystem::path& file, std::span<const Splats> frames, double fps) {
+void write_splat_usda(const std::filesystem::path& file, std::span<const Splats> frames, double fps,
+                      const glm::dvec3& origin) {
     const uint32_t degree = frames[0].degree, count = sh_count(degree);
     write_file_atomically(file, [&](const ByteSink& sink) {
         const Attributes attributes(frames, sink);
         attributes.print(
             fmt::format("#usda 1.0\n(\n    defaultPrim = \"Clip\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n"
                         "    startTimeCode = 0\n    endTimeCode = {}\n    timeCodesPerSecond = {:.9g}\n)\n\n"
-                        "def Xform \"Clip\" (\n    kind = \"component\"\n)\n{{\n"
-                        "    def ParticleField3DGaussianSplat \"Splats\"\n    {{\n",
+                        "def Xform \"Clip\" (\n    kind = \"component\"\n)\n{{\n",
                         frames.size() - 1, fps));
+        if (origin != glm::dvec3(0))
+            attributes.print(
+                fmt::format("    double3 xformOp:translate = ({:.15g}, {:.15g}, {:.15g})\n"
+                            "    uniform token[] xformOpOrder = [\"xformOp:translate\"]\n",
+                            origin.x, origin.y, origin.z));
+        attributes.print("    def ParticleField3DGaussianSplat \"Splats\"\n    {\n");
         attributes.write("float3[] extent", extent_text);
         attributes.write_elements("point3f[] positions",
                                   [](const Splat& s, std::string& text) { append_vector(s.centre, text); });

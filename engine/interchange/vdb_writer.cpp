@@ -175,6 +175,13 @@ std::string vdb_bytes(const FrameVolume& volume, const VdbOptions& options) {
     if (options.surface_opacity) all.push_back(surface_of(*grids.density, *options.surface_opacity));
     if (options.rotation != glm::dquat(1, 0, 0, 0))
         for (const openvdb::GridBase::Ptr& grid : all) turn(*grid, options.rotation);
+    const glm::dvec3& origin = options.origin;
+    if (origin != glm::dvec3(0))
+        for (const openvdb::GridBase::Ptr& grid : all) {
+            const openvdb::math::Transform::Ptr moved = grid->transform().copy();
+            moved->postTranslate({origin.x, origin.y, origin.z});
+            grid->setTransform(moved);
+        }
     return MemoryArchive().write({all.begin(), all.end()});
 }
 

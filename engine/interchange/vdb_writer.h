@@ -19,6 +19,7 @@ struct VdbOptions {
     // Of all grids about the origin: the volume's axes are not those of the world. neuvv::interchange::volume_of
     // refuses grids that are turned.
     glm::dquat rotation{1, 0, 0, 0};
+    glm::dvec3 origin{0};  // where the volume's origin is then, in the doubles of the grids' transforms
 };
 
 // Writes the fog volume "density", in 1/m, and the vectors "Cd": the mean of a leaf's colour over all directions, in

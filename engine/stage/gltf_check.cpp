@@ -249,6 +249,15 @@ void check_values(const std::string& file, const Json& root) {
 
 }  // namespace
 
+std::string with_slashes(std::string path) {
+    std::ranges::replace(path, '\\', '/');
+    return path;
+}
+
+std::string path_of_uri(const std::string& uri) {
+    return with_slashes(decoded_uri(uri));
+}
+
 bool leaves_folder(const std::string& relative) {
     const std::filesystem::path path(relative);
     if (relative.empty() || path.is_absolute() || relative.find('\0') != std::string::npos) return true;
@@ -274,7 +283,7 @@ void check_uris(const GltfPlace& source, const Json& root) {
                 if (!bytes_of_data_uri(text)) throw InputError(source.file, place, "is no data URI in base64");
                 continue;
             }
-            if (leaves_folder(decoded_uri(text)))
+            if (leaves_folder(path_of_uri(text)))
                 throw InputError(source.file, place, fmt::format("\"{}\" is not a file below the model's folder", text),
                                  "put the file beside the model and name it relatively");
         }
@@ -328,7 +337,7 @@ void check_buffers(const GltfPlace& source, const Json& root) {
                                  "export the .glb again");
             continue;
         }
-        const std::filesystem::path path = std::filesystem::path(source.folder) / decoded_uri(uri);
+        const std::filesystem::path path = std::filesystem::path(source.folder) / path_of_uri(uri);
         std::error_code error;
         if (!std::filesystem::is_regular_file(path, error))
             throw InputError(source.file, place, fmt::format("\"{}\" does not exist", uri),

@@ -26,7 +26,12 @@ std::optional<uint64_t> bytes_of_data_uri(std::string_view uri);
 // Whether an extension is read, so that a file that requires it is not refused.
 bool is_read_extension(const std::string& name);
 
-// Whether a relative path may lead out of the folder. Percent escapes must have been decoded before (decoded_uri), so
+// A path with slashes for the backslashes of Windows.
+std::string with_slashes(std::string path);
+// The path that a uri names.
+std::string path_of_uri(const std::string& uri);
+
+// Whether a relative path may lead out of the folder. Percent escapes must have been decoded before (path_of_uri), so
 // that %2e%2e is recognised as `..`.
 bool leaves_folder(const std::string& relative);
 

@@ -93,7 +93,7 @@ void mend_lengths(Json& root, const std::string& folder, MendedGltf& mended) {
         std::error_code error;
         uint64_t bytes = bytes_of_data_uri(uri).value_or(0);
         if (!uri.starts_with("data:"))
-            bytes = std::filesystem::file_size(std::filesystem::path(folder) / decoded_uri(uri), error);
+            bytes = std::filesystem::file_size(std::filesystem::path(folder) / path_of_uri(uri), error);
         if (error || bytes <= buffer.value("byteLength", uint64_t{0})) continue;
         buffer["byteLength"] = bytes;
         mended.changed = true;

@@ -93,13 +93,14 @@ tinygltf::FsCallbacks folder_access(Source& source) {
     tinygltf::FsCallbacks callbacks{};
     callbacks.user_data = &source;
     callbacks.ExpandFilePath = [](const std::string& path, void*) { return path; };
-    callbacks.FileExists = [](const std::string& path, void* user) {
+    callbacks.FileExists = [](const std::string& given, void* user) {
+        const std::string path = with_slashes(given);
         std::error_code error;
         return is_below(path, static_cast<Source*>(user)->folder) && std::filesystem::is_regular_file(path, error);
     };
     callbacks.ReadWholeFile = [](std::vector<unsigned char>* out, std::string* error, const std::string& path, void*) {
         try {
-            *out = read_file(path, kMaxStageBytes);
+            *out = read_file(with_slashes(path), kMaxStageBytes);
             return true;
         } catch (const InputError& bad) {
             if (error) *error = bad.what();

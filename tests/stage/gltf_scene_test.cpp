@@ -587,7 +587,8 @@ TEST(GltfHostile, ViewsAndBuffers) {
 }
 
 TEST(GltfHostile, UrisMustStayInTheFolder) {
-    for (const char* uri : {"/etc/passwd", "../x.bin", "a/../../x.bin", "%2e%2e/x.bin", "file:///etc/passwd", ""}) {
+    for (const char* uri : {"/etc/passwd", "../x.bin", "a/../../x.bin", "%2e%2e/x.bin", "file:///etc/passwd",
+                            "..\\x.bin", "%2e%2e%5cx.bin", "C:\\x.bin", ""}) {
         GlbBuilder glb = triangle();
         glb.root["buffers"] = {{{"byteLength", 36}, {"uri", uri}}};
         expect_error(glb, "/buffers/0/uri", "below the model's folder");
@@ -605,6 +606,19 @@ TEST(GltfHostile, BuffersBesideTheModel) {
     const std::string text = glb.root.dump();
     const auto path = folder.write({text.begin(), text.end()}, "model.gltf");
     EXPECT_EQ(stage::load_gltf(path).meshes[0].primitives[0].positions.size(), 3u);
+}
+
+TEST(GltfHostile, BackslashesOfWindows) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directories(folder.path / "data");
+    for (const char* uri : {"data\\some.bin", "data%5Csome.bin", ".\\data\\some.bin"}) {
+        GlbBuilder glb = triangle();
+        glb.root["buffers"] = {{{"byteLength", 36}, {"uri", uri}}};
+        folder.write(glb.binary, "data/some.bin");
+        const std::string text = glb.root.dump();
+        const auto path = folder.write({text.begin(), text.end()}, "model.gltf");
+        EXPECT_EQ(stage::load_gltf(path).meshes[0].primitives[0].positions.size(), 3u) << uri;
+    }
 }
 
 TEST(GltfHostile, Indices) {

@@ -54,7 +54,7 @@ TEST_F(DatasetVerb, ACaptureWithMattes) {
     test::write_capture(folder.path / "data", test::sphere_dataset(capture));
     const std::string text = say();
     EXPECT_NE(text.find("data: nerf, calibrated by "), std::string::npos) << text;
-    EXPECT_EQ(field(text, "train"), "12 cameras: 0 1 2 3 4 5 6 7 8 9 10 11");
+    EXPECT_EQ(field(text, "train"), "12 cameras: c00 c01 c02 c03 c04 c05 c06 c07 c08 c09 c10 c11");
     EXPECT_EQ(field(text, "test").find("none: "), 0u) << text;
     EXPECT_NE(field(text, "test").find("transforms_test.json"), std::string::npos) << text;
     EXPECT_EQ(field(text, "lenses"), "pinhole; focal length 62.4 pixels, 42.1° wide");
@@ -107,6 +107,21 @@ TEST_F(DatasetVerb, ACaptureWithoutMattesNamesTheMend) {
     const std::string masked = say();
     EXPECT_EQ(field(masked, "masks").find("7; white is the performer, black the background"), 0u) << masked;
     EXPECT_EQ(field(masked, "mattes").find("yes"), 0u) << masked;
+}
+
+TEST_F(DatasetVerb, SaysWhichMattesCountAndMatteLeavesThem) {
+    write_colmap_capture();
+    const std::string data = (folder.path / "data").string();
+    for (int i = 0; i < 9; ++i)
+        test::write_grey_png(folder.path / "data" / "masks" / fmt::format("eye{}.png", i), 64, 48, i == 4 ? 0 : 255);
+    EXPECT_NE(field(say(), "mattes").find("; from masks/"), std::string::npos);
+    expect_refused({"matte", data}, 2, {data, "has mattes already, masks/", "--overrule"});
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "data" / "mattes"));
+    for (int i = 0; i < 9; ++i)
+        test::write_grey_png(folder.path / "data" / "mattes" / fmt::format("eye{}_0.png", i), 64, 48, i % 2 ? 0 : 255);
+    EXPECT_NE(field(say(), "mattes").find("; from mattes/, which overrules masks/"), std::string::npos) << say();
+    EXPECT_EQ(field(say({"--holdout", "eye3"}), "test"), "1 cameras: eye3");
+    EXPECT_EQ(field(say({"--holdout", "0"}), "train"), "9 cameras: eye0 eye1 eye2 eye3 eye4 eye5 eye6 eye7 eye8");
 }
 
 TEST_F(DatasetVerb, ThePicturesOfAPhoneAreSaidToBeAStill) {

@@ -7,9 +7,11 @@
 #include <limits>
 
 #include "base/error.h"
+#include "support/input_error.h"
 #include "support/nvv_bytes.h"
 #include "support/random_tree.h"
 #include "voctree/chunk_file.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv {
 namespace {
@@ -119,6 +121,23 @@ TEST_F(Nvv, StepsMayWrap) {
     voctree::write_nvv(path_, tree, {}, 1);
     EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_)));
     EXPECT_EQ(nvv_of(chunks_of(tree)), read_bytes(path_));
+}
+
+TEST_F(Nvv, RemembersWhereItIsInItsCapture) {
+    const voctree::VOctree tree = small_tree();
+    voctree::write_nvv(path_, tree);
+    EXPECT_TRUE(voctree::read_world_frame(path_).is_same());
+    const Bytes plain = read_bytes(path_);
+    const voctree::WorldFrame frame{{512345.125, -3, 5.4e6}, 1e-3};
+    const voctree::ChunkOfFrame chunk(frame);
+    voctree::write_nvv(path_, tree, chunk.views());
+    EXPECT_EQ(voctree::read_world_frame(path_), frame);
+    EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_))) << "a reader that does not know it skips it";
+    voctree::write_nvv(path_, tree, voctree::ChunkOfFrame({}).views());
+    EXPECT_EQ(read_bytes(path_), plain) << "usual clips are as before";
+    const voctree::ChunkOfFrame bad({{0, 0, 0}, -1});
+    voctree::write_nvv(path_, tree, bad.views());
+    expect_input_error([&] { voctree::read_world_frame(path_); }, {path_.string(), "wRLD"});
 }
 
 TEST_F(Nvv, RoundTripBeyondOnePiece) {

@@ -17,7 +17,7 @@ namespace neuvv::tools {
 namespace {
 
 struct ExportedCamera {
-    stage::CameraPath path, images;
+    stage::CameraPath path, images;  // in the capture's coordinates, but for glTF, which has floats
     std::string text() const {
         return fmt::format("{} images of {}x{}, {:.6g} a second", images.keys.size(), images.width, images.height,
                            images.fps);
@@ -25,17 +25,22 @@ struct ExportedCamera {
 };
 
 ExportedCamera camera_of(const ExportOptions& options) {
+    const bool has_floats = std::filesystem::path(options.output).extension() == ".glb";
     const stage::Stage stage = stage::load_stage(options.scene);
     const double fps = options.fps.value_or(stage.fps);
     ExportedCamera camera;
     if (names_camera_path(options.camera))
-        camera.path = training::read_camera_path(options.camera, fps);
+        camera.path = training::read_camera_path(options.camera, fps, frame_of(stage));
     else if (stage.settings.camera_path && (options.camera.empty() || options.camera == kStagePath))
         camera.path = *stage.settings.camera_path;
     else
         camera.path = stage::path_of_camera(stage, options.camera, fps);
     const media::ImageSize size = options.size.empty() ? kStageSize : parse_size(options.size);
     camera.images = stage::by_images(camera.path, fps, size.width, size.height);
+    if (!has_floats) {
+        camera.path = training::in_capture(camera.path, frame_of(stage));
+        camera.images = training::in_capture(camera.images, frame_of(stage));
+    }
     prepare_result("--output", options.output);
     return camera;
 }

@@ -27,11 +27,18 @@ uint32_t recorded_frames_of(const stage::Stage& stage) {
 
 }  // namespace
 
+std::string origin_text(const voctree::WorldFrame& capture) {
+    const glm::dvec3& o = capture.origin;
+    if (o == glm::dvec3(0)) return "";
+    return fmt::format("; the file's origin is ({:.15g}, {:.15g}, {:.15g}) of the capture, +Y up", o.x, o.y, o.z);
+}
+
 // A clip keeps its rate as a float, so that of the export is rounded to one, too: otherwise 59.94 frames a second would
 // drift off those of a clip of 29.97.
 ExportedClip::ExportedClip(PublishedScene scene, std::optional<double> fps, bool in_stage)
     : scene_(std::move(scene)), in_stage_(in_stage) {
     assert(!in_stage || scene_.stage);
+    if (!in_stage) capture_ = voctree::read_world_frame(scene_.clip);
     const auto recorded_fps = in_stage ? static_cast<float>(scene_.stage->fps) : scene_.index.fps;
     fps_ = double{fps ? static_cast<float>(*fps) : recorded_fps};
     step_ = double{recorded_fps} / fps_;
@@ -104,13 +111,7 @@ interchange::FrameVolume ExportedClip::volume(uint32_t frame) {
     const Pose pose = pose_at(frame);
     interchange::FrameVolume volume = interchange::frame_volume(segment.tree, at, segment.paint.steps);
     if (pose.hidden) volume.leaves.clear();
-    volume.box_min = glm::vec3(pose.scale * glm::dvec3(volume.box_min) + pose.shift);
-    volume.box_size *= static_cast<float>(pose.scale);
-    for (interchange::VolumeLeaf& leaf : volume.leaves) {
-        leaf.sigma /= static_cast<float>(pose.scale);
-        leaf.shown *= static_cast<float>(pose.scale * pose.scale);
-    }
-    return volume;
+    return interchange::scaled(std::move(volume), pose.scale, pose.shift);
 }
 
 }  // namespace neuvv::tools

@@ -8,6 +8,7 @@
 #include "interchange/frame_volume.h"
 #include "tools/published_scene.h"
 #include "voctree/clip.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::tools {
 
@@ -49,6 +50,9 @@ class ExportedClip {
     interchange::FrameVolume volume(uint32_t frame);
     glm::dquat rotation(uint32_t frame) const { return pose_at(frame).rotation; }
 
+    // Where frames are in the coordinates of the capture; in a stage, the stage's own coordinates count.
+    const voctree::WorldFrame& capture() const { return capture_; }
+
     bool is_hidden(uint32_t frame) const { return pose_at(frame).hidden; }
 
   private:
@@ -69,6 +73,7 @@ class ExportedClip {
     Pose pose_at(uint32_t frame) const;
 
     PublishedScene scene_;
+    voctree::WorldFrame capture_;
     double fps_;
     bool in_stage_;
     uint32_t recorded_frames_;  // of the clip, or of the stage at its rate
@@ -76,5 +81,8 @@ class ExportedClip {
     std::unique_ptr<Segment> segment_;
     uint32_t segment_number_ = 0;
 };
+
+// Of files without room for it: "; the file's origin is (x, y, z) of the capture". Empty where both are the same.
+std::string origin_text(const voctree::WorldFrame& capture);
 
 }  // namespace neuvv::tools

@@ -102,18 +102,19 @@ void MeshExport::add(uint32_t frame, const Working& working) {
     const glm::dquat rotation = clip_.rotation(frame);
     for (glm::vec3& position : waiting_.mesh.positions) position = glm::vec3(rotation * glm::dvec3(position));
     for (glm::vec3& normal : waiting_.mesh.normals) normal = glm::vec3(rotation * glm::dvec3(normal));
+    for (glm::vec3& position : waiting_.mesh.positions) position *= static_cast<float>(clip_.capture().unit);
     added_ += waiting_.mesh.triangles.size();
     if (is(".glb")) glb_.add(waiting_);
 }
 
 void MeshExport::write(const std::filesystem::path& file) {
     if (is(".glb")) {
-        glb_.write(file, clip_.fps());
+        glb_.write(file, clip_.fps(), clip_.capture().origin);
         glb_ = {};
     } else if (is(".obj")) {
-        interchange::write_mesh_obj(file, waiting_);
+        interchange::write_mesh_obj(file, waiting_, clip_.capture().origin);
     } else {
-        interchange::write_mesh_ply(file, waiting_);
+        interchange::write_mesh_ply(file, waiting_, clip_.capture().origin);
     }
     written_ += std::exchange(added_, 0);
 }

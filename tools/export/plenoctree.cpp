@@ -89,8 +89,11 @@ void PlenoctreeExport::report(nlohmann::ordered_json& json) const {
 }
 
 std::string PlenoctreeExport::summary() const {
-    if (!psnr_) return fmt::format("{} leaves", leaves_);
-    return fmt::format("{} leaves; images of the middle frame have {:.1f} dB", leaves_, *psnr_);
+    const voctree::WorldFrame& capture = clip_.capture();
+    std::string text = origin_text(capture);
+    if (capture.unit != 1) text += fmt::format("; its unit is {:.6g} of the capture's", capture.unit);
+    if (!psnr_) return fmt::format("{} leaves{}", leaves_, text);
+    return fmt::format("{} leaves; images of the middle frame have {:.1f} dB{}", leaves_, *psnr_, text);
 }
 
 }  // namespace

@@ -21,10 +21,13 @@ struct SplatFormat {
     glm::dquat rotation;  // of its axes from ours
     bool holds_many;      // frames in one file
     size_t (*bytes_of_splat)(uint32_t degree);
-    void (*write)(const std::filesystem::path& file, std::span<const interchange::Splats> frames, double fps);
+    void (*write)(const std::filesystem::path& file, std::span<const interchange::Splats> frames, double fps,
+                  const glm::dvec3& origin);
 };
 
-void write_ply(const std::filesystem::path& file, std::span<const interchange::Splats> frames, double) {
+// Programs for splats read floats alone, so the origin is left out.
+void write_ply(const std::filesystem::path& file, std::span<const interchange::Splats> frames, double,
+               const glm::dvec3&) {
     interchange::write_splat_ply(file, frames[0]);
 }
 
@@ -74,10 +77,15 @@ void SplatExport::add(uint32_t frame, const Working&) {
     const interchange::SplatShape shape = fit_ ? fit_->shape : interchange::SplatShape{};
     waiting_.push_back(interchange::splats_of(splat_volume(clip_, frame, options_.most_splats.value_or(0)), shape,
                                               format_.rotation * clip_.rotation(frame)));
+    const auto unit = static_cast<float>(clip_.capture().unit);
+    for (interchange::Splat& splat : waiting_.back().splats) {
+        splat.centre *= unit;
+        splat.deviation *= unit;
+    }
 }
 
 void SplatExport::write(const std::filesystem::path& file) {
-    format_.write(file, waiting_, clip_.fps());
+    format_.write(file, waiting_, clip_.fps(), clip_.capture().origin);
     for (const interchange::Splats& splats : waiting_) written_ += splats.splats.size();
     waiting_.clear();
 }
@@ -92,9 +100,10 @@ void SplatExport::report(nlohmann::ordered_json& json) const {
 }
 
 std::string SplatExport::summary() const {
-    if (!fit_) return fmt::format("{} splats", written_);
-    return fmt::format("{} splats; images of the middle frame have {:.1f} dB, close-ups {:.1f} dB", written_,
-                       fit_->psnr, fit_->close_psnr);
+    const std::string left_out = format_.holds_many ? "" : origin_text(clip_.capture());
+    if (!fit_) return fmt::format("{} splats{}", written_, left_out);
+    return fmt::format("{} splats; images of the middle frame have {:.1f} dB, close-ups {:.1f} dB{}", written_,
+                       fit_->psnr, fit_->close_psnr, left_out);
 }
 
 }  // namespace

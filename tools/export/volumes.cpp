@@ -27,8 +27,9 @@ class VolumeExport : public FrameExport {
     Estimate estimate(uint32_t frame) override;
     void measure(uint32_t frame, const Working& working) override;
     void add(uint32_t frame, const Working&) override {
-        waiting_ = volume_of(frame);
+        waiting_ = interchange::scaled(volume_of(frame), clip_.capture().unit);
         vdb_.rotation = clip_.rotation(frame);
+        vdb_.origin = clip_.capture().origin;
     }
     void write(const std::filesystem::path& file) override;
     void report(nlohmann::ordered_json& json) const override;

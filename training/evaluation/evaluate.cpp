@@ -8,6 +8,7 @@
 
 #include "render/frame.h"
 #include "render/shown_segments.h"
+#include "training/layouts/camera_names.h"
 #include "voctree/clip.h"
 
 namespace neuvv::training {
@@ -37,20 +38,6 @@ void add(Evaluation::Group& group, const Quality& quality) {
 
 void divide(std::vector<Evaluation::Group>& groups) {
     for (Evaluation::Group& group : groups) group.quality = divided(group.quality, group.images);
-}
-
-// The beginning that all names have in common, up to its last separator; of a single name, all of it.
-std::string common_name(const std::vector<const std::string*>& names) {
-    if (names.size() == 1) return *names[0];
-    size_t length = names[0]->size();
-    for (const std::string* name : names)
-        length =
-            static_cast<size_t>(std::mismatch(names[0]->begin(), names[0]->begin() + static_cast<ptrdiff_t>(length),
-                                              name->begin(), name->end())
-                                    .first -
-                                names[0]->begin());
-    const size_t separator = names[0]->substr(0, length).find_last_of("_-./ ");
-    return separator == std::string::npos ? "" : names[0]->substr(0, separator);
 }
 
 // Ignored pixels are white in both images, as nothing is known about them.
@@ -126,17 +113,13 @@ size_t frame_of_view(const Dataset& dataset, const View& view) {
 }
 
 std::vector<std::string> camera_labels(const Dataset& dataset) {
-    std::vector<std::vector<const std::string*>> names(dataset.cameras.size());
-    for (const View& view : dataset.views) names[view.camera].push_back(&view.name);
-    std::vector<std::string> labels;
-    std::set<std::string> distinct{""};  // with "", so that no label may be empty
-    bool good = true;
-    for (const auto& of_camera : names) {
-        labels.push_back(of_camera.empty() ? "" : common_name(of_camera));
-        good &= distinct.insert(labels.back()).second;
-    }
-    for (size_t i = 0; i < labels.size() && !good; ++i) labels[i] = std::to_string(i);
-    return labels;
+    if (dataset.camera_names.size() == dataset.cameras.size()) return dataset.camera_names;
+    std::vector<std::vector<std::string>> images(dataset.cameras.size());
+    for (const View& view : dataset.views) images[view.camera].push_back(view.name);
+    if (auto names = names_by_images(images)) return *names;
+    std::vector<std::string> numbers;
+    for (size_t i = 0; i < images.size(); ++i) numbers.push_back(std::to_string(i));
+    return numbers;
 }
 
 std::vector<size_t> spread_views(const Dataset& dataset, size_t count) {

@@ -55,8 +55,7 @@ std::vector<std::vector<ViewFrame>> views_by_segment(const voctree::ClipIndex& c
 // The view's frame: an index into Dataset::times.
 size_t frame_of_view(const Dataset& dataset, const View& view);
 
-// A name for each camera: what the names of its images have in common, up to a separator ("c00_f003" and "c00_f017":
-// "c00"), or the name of its only image. Where two cameras would get the same name, all cameras get numbers.
+// A name for each camera: that of the files, else names_by_images, else numbers.
 std::vector<std::string> camera_labels(const Dataset& dataset);
 
 // Indices of at most `count` views, ascending, spread over cameras and times.

@@ -7,21 +7,21 @@
 #include <filesystem>
 #include <fstream>
 #include <glm/gtc/quaternion.hpp>
-#include <set>
 
 #include "base/error.h"
 #include "base/text.h"
 #include "media/image.h"
 #include "media/video.h"
 #include "training/image_reader.h"
+#include "training/layouts/candidates.h"
+#include "training/layouts/json_pose.h"
 #include "training/layouts/presentation.h"
 
 namespace neuvv::training {
 
 namespace {
 
-constexpr double kMaxDistance = 1e6;  // metres; further away, floats do not resolve a performer
-constexpr double kMaxPixels = 1e7;    // of a focal length or a principal point
+constexpr double kMaxPixels = 1e7;  // of a focal length or a principal point
 constexpr double kMaxDistortion = 1e6;
 constexpr double kRotationTolerance = 1e-2;  // some files have three decimals
 
@@ -121,9 +121,9 @@ void expect_sound(const RigCamera& camera, const std::string& file, const std::s
         throw InputError(file, place, fmt::format("is for images of {}×{}", lens.width, lens.height),
                          fmt::format("a side has 1 to {} pixels", media::kMaxImageSide));
     for (int i = 0; i < 3; ++i)
-        if (!within(camera.world_from_camera[3][i], kMaxDistance))
-            throw InputError(file, place, fmt::format("stands more than {} m from the origin", kMaxDistance),
-                             "give metres");
+        if (!within(camera.world_from_camera[3][i], kMaxDistance_m))
+            throw InputError(file, place, fmt::format("stands more than {:g} units from the origin", kMaxDistance_m),
+                             "give metres, and no more digits than a GPS receiver has");
 }
 
 void expect_inside(const std::string& name, const std::string& file, const std::string& place) {
@@ -142,13 +142,12 @@ void expect_inside(const std::string& name, const std::string& file, const std::
 std::vector<std::filesystem::path> find_files_by_head(const std::filesystem::path& folder, const std::string& ending,
                                                       const std::vector<std::string>& texts) {
     constexpr size_t kHead = 4096;
-    std::set<std::filesystem::path> files;
-    std::error_code failed;
-    for (std::filesystem::directory_iterator entry(folder, failed), end; !failed && entry != end;
-         entry.increment(failed))
-        if (std::error_code unknown;
-            entry->is_regular_file(unknown) && lower_case(entry->path().filename().string()).ends_with(ending))
-            files.insert(entry->path());
+    std::vector<std::filesystem::path> files = entries_of(folder);
+    std::error_code ignored;
+    std::erase_if(files, [&](const std::filesystem::path& file) {
+        return !lower_case(file.filename().string()).ends_with(ending) ||
+               !std::filesystem::is_regular_file(file, ignored);
+    });
     std::erase_if(files, [&](const std::filesystem::path& file) {
         std::string head(1 + kHead, '\n');  // so that the file's first line is found as others are
         std::ifstream stream(file, std::ios::binary);
@@ -157,13 +156,7 @@ std::vector<std::filesystem::path> find_files_by_head(const std::filesystem::pat
         return !std::ranges::all_of(texts,
                                     [&](const std::string& text) { return head.find(text) != std::string::npos; });
     });
-    return {files.begin(), files.end()};
-}
-
-std::filesystem::path find_file_by_head(const std::filesystem::path& folder, const std::string& ending,
-                                        const std::vector<std::string>& texts) {
-    const std::vector<std::filesystem::path> files = find_files_by_head(folder, ending, texts);
-    return files.empty() ? std::filesystem::path() : files[0];
+    return files;
 }
 
 }  // namespace neuvv::training

@@ -45,8 +45,5 @@ void expect_inside(const std::string& name, const std::string& file, const std::
 // kilobytes hold all of these texts: some programs leave the name of a calibration to their users.
 std::vector<std::filesystem::path> find_files_by_head(const std::filesystem::path& folder, const std::string& ending,
                                                       const std::vector<std::string>& texts);
-// The first of them; empty where there is none.
-std::filesystem::path find_file_by_head(const std::filesystem::path& folder, const std::string& ending,
-                                        const std::vector<std::string>& texts);
 
 }  // namespace neuvv::training

@@ -12,6 +12,7 @@
 #include "media/video.h"
 #include "training/image_reader.h"
 #include "training/layouts/calibration.h"
+#include "training/layouts/candidates.h"
 #include "training/layouts/clip_times.h"
 
 namespace neuvv::training {
@@ -19,7 +20,8 @@ namespace neuvv::training {
 namespace {
 
 constexpr const char* kImageEndings[] = {".png", ".jpg", ".jpeg"};
-constexpr const char* kVideoEndings[] = {".mp4", ".mkv", ".mov", ".avi", ".webm"};
+constexpr const char* kVideoEndings[] = {".mp4", ".mkv", ".mov",  ".avi", ".webm", ".m4v", ".mts", ".m2ts",
+                                         ".ts",  ".mpg", ".mpeg", ".mxf", ".wmv",  ".3gp", ".ogv", ".flv"};
 
 bool is_digit(char c) {
     return std::isdigit(static_cast<unsigned char>(c)) != 0;
@@ -47,13 +49,31 @@ std::string upper_case(std::string text) {
     return text;
 }
 
-// The file of this name with one of these endings, in small or in capital letters.
+// The file of this name with this ending, in whatever letters the ending is written.
+std::filesystem::path find_file(const std::filesystem::path& folder, const std::string& stem,
+                                const std::string& ending) {
+    std::error_code ignored;
+    for (const std::string& as_written : {ending, upper_case(ending)})
+        if (auto path = folder / (stem + as_written); std::filesystem::is_regular_file(path, ignored)) return path;
+    return {};
+}
+
+// The file of this name with one of these endings. Throws InputError where there are two.
 std::filesystem::path find_file(const std::filesystem::path& folder, const std::string& stem,
                                 std::span<const char* const> endings) {
-    std::error_code ignored;
-    for (const std::string ending : endings)
-        for (const std::string& as_written : {ending, upper_case(ending)})
-            if (auto path = folder / (stem + as_written); std::filesystem::is_regular_file(path, ignored)) return path;
+    std::filesystem::path found;
+    for (const char* ending : endings) {
+        const std::filesystem::path file = find_file(folder, stem, ending);
+        if (!file.empty() && !found.empty())
+            throw InputError(file.string(), "", fmt::format("is named like {}", found.filename().string()),
+                             "keep the one that counts");
+        if (!file.empty()) found = file;
+    }
+    if (!found.empty()) return found;
+    for (const auto& entry : entries_of((folder / stem).parent_path()))  // as ".Mp4"
+        if (entry.stem() == std::filesystem::path(stem).filename() &&
+            std::ranges::find(endings, lower_extension(entry)) != endings.end())
+            return entry;
     return {};
 }
 
@@ -61,15 +81,13 @@ std::filesystem::path find_file(const std::filesystem::path& folder, const std::
 std::filesystem::path find_video(const std::filesystem::path& folder, const std::string& camera) {
     if (auto path = find_file(folder, camera, kVideoEndings); !path.empty()) return path;
     std::filesystem::path found;
-    std::error_code error;
-    for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
-         entry.increment(error)) {
-        if (!is_video(entry->path()) || !entry->path().stem().string().ends_with("_" + camera)) continue;
+    for (const auto& entry : entries_of(folder)) {
+        if (!is_video(entry) || !entry.stem().string().ends_with("_" + camera)) continue;
         if (!found.empty())
-            throw InputError(entry->path().string(), "",
+            throw InputError(entry.string(), "",
                              fmt::format("is named after the camera {}, as is {}", camera, found.filename().string()),
                              "keep one video a camera");
-        found = entry->path();
+        found = entry;
     }
     return found;
 }
@@ -80,7 +98,7 @@ Frames still_in(const std::filesystem::path& folder, const std::string& camera) 
 }
 
 Frames still_of_camera(const std::filesystem::path& folder, const std::string& camera) {
-    Frames still = still_in(folder / "images", camera);
+    Frames still = still_in(images_folder(folder).path, camera);
     return still.empty() ? still_in(folder, camera) : still;
 }
 
@@ -115,14 +133,11 @@ bool NaturalOrder::operator()(const std::string& a, const std::string& b) const 
 
 Frames images_in(const std::filesystem::path& folder) {
     Frames frames;
-    std::error_code error;
-    for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
-         entry.increment(error)) {
-        if (!is_image(entry->path())) continue;
-        const auto [same, fresh] = frames.try_emplace(entry->path().stem().string(), ImageSource{entry->path(), -1});
+    for (const auto& entry : entries_of(folder)) {
+        if (!is_image(entry)) continue;
+        const auto [same, fresh] = frames.try_emplace(entry.stem().string(), ImageSource{entry, -1});
         if (!fresh)
-            throw InputError(entry->path().string(), "",
-                             fmt::format("is named like {}", same->second.path.filename().string()),
+            throw InputError(entry.string(), "", fmt::format("is named like {}", same->second.path.filename().string()),
                              "keep one image a frame");
     }
     return frames;
@@ -140,7 +155,7 @@ Frames frames_of_video(const std::filesystem::path& path) {
 }
 
 Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera) {
-    for (const auto& candidate : {folder / "images" / camera, folder / camera})
+    for (const auto& candidate : {images_folder(folder).path / camera, folder / camera})
         if (Frames frames = images_in(candidate); !frames.empty()) return frames;
     for (const auto& candidate : {folder / "videos", folder})
         if (const auto video = find_video(candidate, camera); !video.empty()) return frames_of_video(video);
@@ -148,18 +163,23 @@ Frames frames_of_camera(const std::filesystem::path& folder, const std::string& 
 }
 
 bool has_images(const std::filesystem::path& folder, const std::string& camera) {
-    for (const auto& candidate : {folder / "images" / camera, folder / camera})
+    for (const auto& candidate : {images_folder(folder).path / camera, folder / camera})
         if (!images_in(candidate).empty()) return true;
     for (const auto& candidate : {folder / "videos", folder})
         if (!find_video(candidate, camera).empty()) return true;
     return !still_of_camera(folder, camera).empty();
 }
 
+ImageSource image_or_video(const std::filesystem::path& folder, const std::string& name) {
+    if (const auto image = find_file(folder, name, kImageEndings); !image.empty()) return {image, -1};
+    const auto video = find_video(folder, name);
+    return video.empty() ? ImageSource() : ImageSource{video, 0};
+}
+
 std::vector<std::string> videos_in(const std::filesystem::path& folder) {
     std::set<std::string, NaturalOrder> names;
-    std::error_code error;
-    for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-        if (is_video(entry->path())) names.insert(entry->path().stem().string());
+    for (const auto& entry : entries_of(folder))
+        if (is_video(entry)) names.insert(entry.stem().string());
     return {names.begin(), names.end()};
 }
 
@@ -168,6 +188,40 @@ std::filesystem::path first_folder(const std::filesystem::path& folder, std::ini
     for (const char* name : names)
         if (std::filesystem::is_directory(folder / name, ignored)) return folder / name;
     return {};
+}
+
+void note_choices(Rig& rig, const std::vector<CameraFrames>& cameras) {
+    std::string read, other;  // of the first camera with images in two places
+    size_t count = 0;
+    const Choice images = images_folder(rig.folder);
+    bool from_images = false;
+    for (const CameraFrames& camera : cameras) {
+        if (camera.frames.empty()) continue;
+        const ImageSource& first = camera.frames.begin()->second;
+        const std::string& name = camera.camera.name;
+        const auto used = first.video_frame < 0 ? first.path.parent_path() : first.path;
+        from_images |= first.path.string().starts_with(images.path.string() + "/");
+        for (const auto& place :
+             {images.path / name, rig.folder / name, find_file(rig.folder / "videos", name, kVideoEndings),
+              find_file(rig.folder, name, kVideoEndings)}) {
+            if (place.empty() || place == used || (!is_video(place) && images_in(place).empty())) continue;
+            if (count++ > 0) continue;
+            read = used.lexically_relative(rig.folder).string();
+            other = place.lexically_relative(rig.folder).string();
+        }
+    }
+    if (count > 0)
+        rig.remarks.push_back(choice_remark(read, {other}) +
+                              (count > 1 ? fmt::format(", and alike in {} cases", count) : ""));
+    if (from_images && !images.remark.empty()) rig.remarks.push_back(images.remark);
+}
+
+void note_mask_folders(Rig& rig) {
+    std::vector<std::string> found;
+    std::error_code ignored;
+    for (const char* name : {"masks", "mask", "mask_cihp"})
+        if (std::filesystem::is_directory(rig.folder / name, ignored)) found.push_back(std::string(name) + "/");
+    if (found.size() > 1) rig.remarks.push_back(choice_remark(found[0], {found.begin() + 1, found.end()}));
 }
 
 std::filesystem::path masks_folder(const std::filesystem::path& folder) {
@@ -198,11 +252,16 @@ Frames masks_of_camera(const std::filesystem::path& masks, const std::string& ca
         for (const auto& [name, image] : frames) in_order[name] = (mask++)->second;
         return in_order;
     }
-    for (const auto& [name, image] : frames)
-        if (!found.contains(name))
+    Frames result;
+    for (const auto& [name, image] : frames) {
+        auto mask = found.find(name);
+        if (mask == found.end()) mask = found.find(image.path.filename().string());  // COLMAP's "a.jpg.png"
+        if (mask == found.end())
             throw InputError((masks / camera).string(), "", fmt::format("has no mask {}.png", name),
                              "give every frame its mask, named as the image");
-    return found;
+        result[name] = mask->second;
+    }
+    return result;
 }
 
 void name_by_time(Rig& rig, std::vector<CameraFrames>& cameras) {
@@ -252,6 +311,7 @@ std::vector<CameraFrames> find_images(Rig& rig, const std::vector<CalibratedCame
         fit_to_images(camera.camera, first, rig, from.place);
         if (!masks.empty()) {
             if (still) camera.masks = still_in(masks, name);
+            if (still && camera.masks.empty()) camera.masks = still_in(masks, first.path.filename().string());
             if (camera.masks.empty()) camera.masks = masks_of_camera(masks, name, camera.frames);
         }
         cameras.push_back(std::move(camera));
@@ -264,6 +324,8 @@ std::vector<CameraFrames> find_images(Rig& rig, const std::vector<CalibratedCame
         rig.remarks.push_back(fmt::format("{} of {} calibrated cameras have no images, and are left out",
                                           calibrated.size() - cameras.size(), calibrated.size()));
     expect_common_frames(rig, cameras);
+    note_choices(rig, cameras);
+    note_mask_folders(rig);
     return cameras;
 }
 
@@ -277,11 +339,13 @@ void expect_common_frames(const Rig& rig, const std::vector<CameraFrames>& camer
 
 void add_cameras(Rig& rig, const std::vector<CameraFrames>& cameras, Split split) {
     const std::map<std::string, double, NaturalOrder> times = times_of(cameras);
-    if (std::all_of(cameras.begin(), cameras.end(), [&](const auto& c) { return c.group == cameras[0].group; }))
+    const bool all = split == Split::kAll;
+    if (!all && std::ranges::all_of(cameras, [&](const auto& c) { return c.group == cameras[0].group; }))
         throw InputError(rig.file, "", "has one camera with images, and one must be held out for the test",
-                         "give two cameras or more");
+                         "give two cameras or more, or `--holdout 0`");
     for (const CameraFrames& from : cameras) {
-        if ((from.group % kHoldOut == 0) != (split == Split::kTest)) continue;
+        rig.poses.push_back(from.camera.world_from_camera);
+        if (!all && (from.group % kHoldOut == 0) != (split == Split::kTest)) continue;
         const auto camera = static_cast<uint32_t>(rig.cameras.size());
         rig.cameras.push_back(from.camera);
         for (const auto& [name, image] : from.frames) {

@@ -18,17 +18,21 @@ struct NaturalOrder {
 // Images by the name of their frame: the file name without extension, or the number of a video's frame in six digits.
 using Frames = std::map<std::string, ImageSource, NaturalOrder>;
 
-// The .png, .jpg and .jpeg files of a folder; empty where it has none. Throws InputError where two have one name.
+// The .png, .jpg and .jpeg files of a folder, hidden ones left out; empty where it has none. Throws InputError where
+// two have one name.
 Frames images_in(const std::filesystem::path& folder);
 
 bool is_video(const std::filesystem::path& path);  // by its extension
 // All frames of a video.
 Frames frames_of_video(const std::filesystem::path& path);
 
-// The frames in the first of images/<camera>/, <camera>/, videos/<camera>.* and <camera>.* that exists; empty where
-// none does. A video may have a longer name that ends in _<camera>, as Qualisys gives it. Throws InputError where two
-// videos have such names.
+// The frames in the first of images/<camera>/ (or images_2/<camera>/ …: candidates.h), <camera>/, videos/<camera>.* and
+// <camera>.* that exists; empty where none does. A video may have a longer name that ends in _<camera>, as Qualisys
+// gives it. Throws InputError where two videos have such names.
 Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera);
+
+// The image <name>.*, else the video <name>.* or *_<name>.* at its first frame; an empty path where there is neither.
+ImageSource image_or_video(const std::filesystem::path& folder, const std::string& name);
 
 // The names of a folder's videos, without extension, in natural order.
 std::vector<std::string> videos_in(const std::filesystem::path& folder);
@@ -40,8 +44,8 @@ std::filesystem::path first_folder(const std::filesystem::path& folder, std::ini
 // video is opened.
 bool has_images(const std::filesystem::path& folder, const std::string& camera);
 
-// A mask for each of the frames: from masks/<camera>/, matched by name, or from a video masks/<camera>.*, matched by
-// order. Throws InputError where a mask is missing.
+// A mask for each of the frames: from masks/<camera>/, matched by the frame's name or by its file's ("0.jpg.png", as
+// COLMAP names masks), or from a video masks/<camera>.*, matched by order. Throws InputError where a mask is missing.
 Frames masks_of_camera(const std::filesystem::path& masks, const std::string& camera, const Frames& frames);
 
 // The folder of the masks of a data set: masks, mask or mask_cihp; empty where there is none.
@@ -84,12 +88,17 @@ void name_by_time(Rig& rig, std::vector<CameraFrames>& cameras);
 // camera has images.
 std::vector<CameraFrames> find_images(Rig& rig, const std::vector<CalibratedCamera>& cameras);
 
+// Adds remarks where cameras have images in several places, of which the first of frames_of_camera was read.
+void note_choices(Rig& rig, const std::vector<CameraFrames>& cameras);
+// Adds a remark where there are several folders of masks, of which the first was read.
+void note_mask_folders(Rig& rig);
+
 // Throws InputError where there are several cameras and no two of them have a frame of the same name.
 void expect_common_frames(const Rig& rig, const std::vector<CameraFrames>& cameras);
 
 // Adds the cameras of a split with their shots: every 8th group is held out, beginning with the first. Frames with the
 // same name have the same time; the i-th of N names has the time i/(N−1). Throws InputError where there is only one
-// group.
+// group, but for Split::kAll.
 void add_cameras(Rig& rig, const std::vector<CameraFrames>& cameras, Split split);
 
 }  // namespace neuvv::training

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "training/layouts/calibration.h"
+#include "training/layouts/candidates.h"
 
 namespace neuvv::training {
 
@@ -327,6 +328,16 @@ bool holds_colmap_model(const std::filesystem::path& folder) {
     return !model_file(folder, "cameras").empty() && !model_file(folder, "images").empty();
 }
 
+size_t placed_images(const std::filesystem::path& folder) {
+    RawModel raw;
+    try {
+        read_either(model_file(folder, "images"), read_binary_images, read_text_images, raw);
+    } catch (const InputError&) {
+        return 0;
+    }
+    return raw.images.size();
+}
+
 ColmapModel read_colmap_model(const std::filesystem::path& folder) {
     const auto cameras = model_file(folder, "cameras"), images = model_file(folder, "images");
     if (cameras.empty() || images.empty())
@@ -340,7 +351,8 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
     ColmapModel model;
     model.file = images.string();
     std::set<std::string> names;
-    for (const ModelImage& image : raw.images) {
+    for (ModelImage& image : raw.images) {
+        image.name = portable_name(image.name);
         expect_inside(image.name, model.file, image.place);
         if (!names.insert(image.name).second)
             throw InputError(model.file, image.place, fmt::format("is a second image {:.80}", image.name), "");

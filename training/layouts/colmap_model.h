@@ -18,6 +18,9 @@ struct ColmapModel {
 
 bool holds_colmap_model(const std::filesystem::path& folder);
 
+// How many images the model places; 0 where its file of images is damaged.
+size_t placed_images(const std::filesystem::path& folder);
+
 // Reads the files cameras, images and points3D, .bin rather than .txt where both exist. Throws InputError with file and
 // place for anything missing, truncated, unknown or not finite, and for counts beyond the file's end.
 ColmapModel read_colmap_model(const std::filesystem::path& folder);

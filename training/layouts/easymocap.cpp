@@ -10,6 +10,7 @@
 #include "training/image_reader.h"
 #include "training/layouts/calibration.h"
 #include "training/layouts/camera_folders.h"
+#include "training/layouts/candidates.h"
 #include "training/layouts/opencv_yaml.h"
 
 namespace neuvv::training {
@@ -76,6 +77,19 @@ bool hold_labels(const std::filesystem::path& masks, const std::vector<CameraFra
     return brightest > 0;
 }
 
+// Adds remarks for calibrations beside intri.yml and extri.yml, of which EasyMocap writes several.
+void note_other_calibrations(Rig& rig) {
+    for (const std::string stem : {"intri", "extri"}) {
+        std::vector<std::string> others;
+        for (const auto& entry : entries_of(rig.folder)) {
+            const std::string name = entry.filename().string(), ending = entry.extension().string();
+            if (name.starts_with(stem) && name != stem + ".yml" && (ending == ".yml" || ending == ".yaml"))
+                others.push_back(name);
+        }
+        if (!others.empty()) rig.remarks.push_back(choice_remark(stem + ".yml", others));
+    }
+}
+
 }  // namespace
 
 bool has_easymocap_files(const std::filesystem::path& folder) {
@@ -105,6 +119,7 @@ Rig read_easymocap_rig(const std::filesystem::path& folder, Split split) {
         calibrated.push_back({read_camera(intrinsics, extrinsics, name), "K_" + name});
     }
     const std::vector<CameraFrames> cameras = find_images(rig, calibrated);
+    note_other_calibrations(rig);
     if (hold_labels(masks_folder(folder), cameras)) rig.masks = MaskMeaning::kLabels;
     add_cameras(rig, cameras, split);
     return rig;

@@ -7,16 +7,19 @@
 #include "base/error.h"
 #include "training/layouts/colmap.h"
 #include "training/layouts/easymocap.h"
+#include "training/layouts/holdout.h"
 #include "training/layouts/metashape.h"
 #include "training/layouts/n3v.h"
 #include "training/layouts/nerf.h"
 #include "training/layouts/opencv_cameras.h"
+#include "training/layouts/plates.h"
 #include "training/layouts/polycam.h"
 #include "training/layouts/pose2sim.h"
 #include "training/layouts/presentation.h"
 #include "training/layouts/qualisys.h"
 #include "training/layouts/realitycapture.h"
 #include "training/layouts/record3d.h"
+#include "training/layouts/world_of_rig.h"
 
 namespace neuvv::training {
 
@@ -58,6 +61,17 @@ const Format& find_format(const std::filesystem::path& folder, const std::string
     if (name == kAnyFormat)
         throw InputError(folder.string(), "", "is no data set of a known layout", "name a folder that holds " + known);
     throw InputError("--format", name, "is not a known layout", "give one of " + known);
+}
+
+// Says which other layouts' files lie in the folder, where none was named.
+void note_other_formats(Rig& rig, const Format& chosen) {
+    std::string others;
+    for (const Format& format : kFormats)
+        if (&format != &chosen && format.detects(rig.folder))
+            others += fmt::format("{}{} ({})", others.empty() ? "" : ", ", format.name, format.files);
+    if (!others.empty())
+        rig.remarks.push_back(
+            fmt::format("read as {}; the folder also has files of {}, which --format takes", chosen.name, others));
 }
 
 // Checks what must hold in every layout. Errors name the place in the layout's own file.
@@ -102,13 +116,17 @@ void drop_cameras_without_shots(Rig& rig) {
     rig.cameras = std::move(kept);
 }
 
-Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format) {
+Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format, const std::string& holdout) {
     const Format& layout = find_format(folder, format);
-    if (split == Split::kVal && !layout.validates)
+    if (split == Split::kVal && (!layout.validates || !holdout.empty()))
         throw InputError(folder.string(), "", fmt::format("{} data sets have no validation split", layout.name),
                          "take train or test");
-    Rig rig = layout.read(folder, split);
+    Rig rig = layout.read(folder, holdout.empty() ? split : Split::kAll);
+    if (!holdout.empty()) select_split(rig, holdout, split);
+    if (format == kAnyFormat) note_other_formats(rig, layout);
+    place_near_origin(rig);
     drop_cameras_without_shots(rig);  // some layouts calibrate the cameras of all splits
+    find_plates(rig);
     expect_sound(rig);
     settle_presentation(rig);
     return rig;

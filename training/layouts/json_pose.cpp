@@ -28,7 +28,7 @@ void expect_rigid(const JsonNode& node, const glm::dmat4& pose) {
         node.fail("is left-handed (determinant -1)", "flip one axis: +X right, +Y up, the camera looks along -Z");
     for (int i = 0; i < 3; ++i)
         if (std::abs(pose[3][i]) > kMaxDistance_m)
-            node.fail(fmt::format("stands more than {} m from the origin", kMaxDistance_m), "give metres");
+            node.fail(fmt::format("stands more than {:g} m from the origin", kMaxDistance_m), "give metres");
 }
 
 glm::dmat4 json_pose(const JsonNode& node) {

@@ -17,6 +17,7 @@ void expect_rigid(const JsonNode& node, const glm::dmat4& pose);
 inline const glm::dmat3 kYUpFromZUp(1, 0, 0, 0, 0, -1, 0, 1, 0);
 
 constexpr double kUnitTolerance = 1e-2;  // of a quaternion's length; some files have three decimals
-constexpr double kMaxDistance_m = 1e6;   // further away, floats do not resolve a performer
+// Northings of UTM have 7 digits, also in feet. Much further away, files do not write a camera's place to a millimetre.
+constexpr double kMaxDistance_m = 1e8;
 
 }  // namespace neuvv::training

@@ -7,6 +7,8 @@
 //   y' = y (1 + K1 r² + K2 r⁴ + K3 r⁶ + K4 r⁸) + P2 (r² + 2 y²) + 2 P1 x y
 //   u = w/2 + cx + x' f + x' B1 + y' B2, v = h/2 + cy + y' f, in pixels whose centres are at +½.
 //   So P1 is OpenCV's p2 and P2 its p1. A fisheye has θ/r · x and θ/r · y in place of x and y.
+// - A slave of a multi-camera system stands at its master's transform times (rotation, location) of its own sensor,
+//   which take OpenCV axes of the slave to those of the master.
 #include "training/layouts/metashape.h"
 
 #include <fmt/format.h>
@@ -18,6 +20,7 @@
 #include "base/error.h"
 #include "training/layouts/calibration.h"
 #include "training/layouts/camera_folders.h"
+#include "training/layouts/candidates.h"
 #include "training/layouts/json_pose.h"
 #include "training/layouts/xml_file.h"
 
@@ -27,8 +30,8 @@ namespace {
 
 constexpr double kEarthScale_m = 1e6;  // geocentric positions are six times as far from the origin
 
-std::filesystem::path metashape_file(const std::filesystem::path& folder) {
-    return find_file_by_head(folder, ".xml", {"<document", "<chunk"});
+Choice metashape_file(const std::filesystem::path& folder) {
+    return newest_of(find_files_by_head(folder, ".xml", {"<document", "<chunk"}));
 }
 
 double number_of(const XmlNode& calibration, const char* name, double fallback = 0) {
@@ -118,6 +121,17 @@ glm::dmat4 metashape_pose(const XmlNode& transform) {
             glm::dvec4(m[3], m[7], m[11], 1)};
 }
 
+// The pose of a slave in its master, both with OpenGL axes: x_master = rotation · x_slave + location in OpenCV's, in
+// the chunk's unit, as the master's transform.
+glm::dmat4 in_rig(const XmlNode& rotation, const XmlNode& location) {
+    const glm::dmat3 turn = opencv_rotation(rotation.numbers(9), rotation.file, rotation.place());
+    const std::vector<double> at = location.numbers(3);
+    const glm::dmat3 flip(1, 0, 0, 0, -1, 0, 0, 0, -1);
+    glm::dmat4 result(flip * turn * flip);
+    result[3] = glm::dvec4(flip * glm::dvec3(at[0], at[1], at[2]), 1);
+    return result;
+}
+
 glm::dmat4 placed(const Similarity& world, const glm::dmat4& pose) {
     glm::dmat4 result;
     for (int i = 0; i < 3; ++i) result[i] = glm::dvec4(world.rotation * glm::dvec3(pose[i]), 0);
@@ -136,6 +150,7 @@ struct Chunk {
     std::map<std::string, XmlNode> sensors;
     std::map<std::string, std::optional<Similarity>> components;
     std::optional<Similarity> transform;
+    bool has_local_coordinates = false;  // by its reference, else they may be geocentric
 };
 
 Chunk read_chunk(const XmlNode& node) {
@@ -146,6 +161,9 @@ Chunk read_chunk(const XmlNode& node) {
         for (const XmlNode& component : components->children("component"))
             chunk.components.try_emplace(component.text("id"), read_similarity(component));
     chunk.transform = read_similarity(node);
+    const auto reference = node.find("reference");
+    const char* system = reference ? reference->element->GetText() : nullptr;
+    chunk.has_local_coordinates = system && std::string(system).find("LOCAL_CS") != std::string::npos;
     return chunk;
 }
 
@@ -154,6 +172,8 @@ class Cameras {
     Cameras(Rig& rig, const XmlNode& node) : rig_(rig), chunk_(read_chunk(node)) {
         std::vector<XmlNode> all;
         gather_cameras(node.child("cameras"), all);
+        for (const XmlNode& camera : all)
+            if (is_enabled(camera)) by_id_.try_emplace(camera.text("id"), camera);
         for (const XmlNode& camera : all) add(camera);
         if (found_.empty()) node.fail("has no camera with a pose", "align the photos in Metashape");
         describe(all.size());
@@ -161,17 +181,51 @@ class Cameras {
     const std::vector<CalibratedCamera>& found() const { return found_; }
 
   private:
-    void add(const XmlNode& node) {
-        const auto transform = node.find("transform");
+    static bool is_enabled(const XmlNode& node) {
         const std::string enabled = node.text("enabled", "true");
-        if (!transform || enabled == "false" || enabled == "0") return;
+        return enabled != "false" && enabled != "0";
+    }
+
+    const XmlNode& sensor_of(const XmlNode& node) const {
         const auto sensor = chunk_.sensors.find(node.text("sensor_id"));
         if (sensor == chunk_.sensors.end()) node.fail("has a sensor_id that no sensor has", "export the cameras again");
+        return sensor->second;
+    }
+
+    // A camera of a multi-camera system has no transform of its own where it is a slave: the master's is followed by
+    // the place of the slave's sensor in the system. Nothing where the camera is not aligned.
+    std::optional<glm::dmat4> pose_of(const XmlNode& node) {
+        if (const auto transform = node.find("transform")) return metashape_pose(*transform);
+        const std::string id = node.text("master_id");
+        if (id.empty() || id == node.text("id")) return {};
+        const auto master = by_id_.find(id);
+        if (master == by_id_.end())
+            node.fail(fmt::format("is placed by the camera {:.40}, which is missing or disabled", id),
+                      "export the cameras again, the masters of multi-camera systems included");
+        const auto transform = master->second.find("transform");
+        if (!transform) return {};
+        const XmlNode& sensor = sensor_of(node);
+        const auto rotation = sensor.find("rotation");
+        const auto location = sensor.find(sensor.find("location") ? "location" : "translation");
+        if (!rotation || !location || node.text("sensor_id") == master->second.text("sensor_id"))
+            node.fail(fmt::format("belongs to a multi-camera system (master_id {:.40}), and neither it has a transform "
+                                  "nor its sensor a rotation and a location",
+                                  id),
+                      "in Metashape, align with the offsets of the slaves adjusted, or export without the "
+                      "multi-camera layout");
+        ++placed_by_rig_;
+        return metashape_pose(*transform) * in_rig(*rotation, *location);
+    }
+
+    void add(const XmlNode& node) {
+        if (!is_enabled(node)) return;
+        const std::optional<glm::dmat4> pose = pose_of(node);
+        if (!pose) return;
         CalibratedCamera camera;
         camera.place = node.place();
-        camera.camera.name = without_extension(node.text("label"));
-        camera.camera.lens = read_sensor(sensor->second);
-        camera.camera.world_from_camera = metashape_pose(*transform);
+        camera.camera.name = without_extension(portable_name(node.text("label")));
+        camera.camera.lens = read_sensor(sensor_of(node));
+        camera.camera.world_from_camera = *pose;
         place_in_world(node, camera.camera.world_from_camera);
         expect_sound(camera.camera, rig_.file, camera.place);
         found_.push_back(std::move(camera));
@@ -190,7 +244,7 @@ class Cameras {
                       "merge the components in Metashape, or disable the cameras of all but one");
         if (!world) return;
         pose = placed(*world, pose);
-        if (glm::length(glm::dvec3(pose[3])) > kEarthScale_m)
+        if (!chunk_.has_local_coordinates && glm::length(glm::dvec3(pose[3])) > kEarthScale_m)
             node.fail("stands further than 1000 km from the origin, as geocentric cameras do",
                       "choose Local Coordinates in the chunk's reference settings, and export again");
         pose = glm::dmat4(kYUpFromZUp) * pose;
@@ -204,11 +258,18 @@ class Cameras {
             rig_.remarks.push_back(
                 fmt::format("{} of {} cameras of Metashape are disabled or not aligned, and are left out",
                             cameras - found_.size(), cameras));
+        if (placed_by_rig_ > 0)
+            rig_.remarks.push_back(
+                fmt::format("{} cameras of multi-camera systems stand where their master's pose and "
+                            "the rotation and location of their sensor put them",
+                            placed_by_rig_));
     }
 
     Rig& rig_;
     const Chunk chunk_;
     std::vector<CalibratedCamera> found_;
+    std::map<std::string, XmlNode> by_id_;  // the enabled cameras
+    size_t placed_by_rig_ = 0;
     std::set<std::string> components_;
     bool placed_ = false;  // whether the cameras' place in a world in metres is known
 };
@@ -216,11 +277,11 @@ class Cameras {
 }  // namespace
 
 bool has_metashape_files(const std::filesystem::path& folder) {
-    return !metashape_file(folder).empty();
+    return !metashape_file(folder).path.empty();
 }
 
 Rig read_metashape_rig(const std::filesystem::path& folder, Split split) {
-    const std::filesystem::path path = metashape_file(folder);
+    const auto [path, remark] = metashape_file(folder);
     if (path.empty())
         throw InputError(folder.string(), "", "holds no cameras of Metashape",
                          "in Metashape, choose File, Export, Export Cameras, and Agisoft XML");
@@ -230,6 +291,7 @@ Rig read_metashape_rig(const std::filesystem::path& folder, Split split) {
     rig.format = "metashape";
     rig.images_as_stored = true;
     rig.file = path.string();
+    if (!remark.empty()) rig.remarks.push_back(remark);
     const std::vector<XmlNode> chunks = file.root().children("chunk");
     if (chunks.size() != 1)
         file.root().fail(fmt::format("has {} chunks", chunks.size()), "export the cameras of one chunk");

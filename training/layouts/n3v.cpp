@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "base/error.h"
 #include "base/npy.h"
 #include "media/image.h"
 #include "training/layouts/calibration.h"
 #include "training/layouts/camera_folders.h"
+#include "training/layouts/candidates.h"
 
 namespace neuvv::training {
 
@@ -24,17 +24,22 @@ std::filesystem::path poses_file(const std::filesystem::path& folder) {
     return folder / "poses_bounds.npy";
 }
 
-// The files cam*.mp4 in the order of their names, which is that of the rows.
+// The videos cam*.mp4 (or with another ending) in the order of their names, which is that of the rows.
 std::vector<std::filesystem::path> find_videos(const std::filesystem::path& folder) {
-    std::set<std::string> names;
-    std::error_code failed;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, failed)) {
-        const std::string name = entry.path().filename().string();
-        if (name.starts_with("cam") && entry.path().extension() == ".mp4") names.insert(name);
-    }
-    std::vector<std::filesystem::path> videos;
-    for (const std::string& name : names) videos.push_back(folder / name);
+    std::vector<std::filesystem::path> videos = entries_of(folder);
+    std::erase_if(videos,
+                  [](const auto& entry) { return !entry.filename().string().starts_with("cam") || !is_video(entry); });
     return videos;
+}
+
+// Adds a remark for other poses beside poses_bounds.npy: poses_bounds_multipleview.npy, poses.npy …
+void note_other_poses(Rig& rig) {
+    std::vector<std::string> others;
+    for (const auto& entry : entries_of(rig.folder))
+        if (entry != poses_file(rig.folder) && entry.extension() == ".npy" &&
+            entry.filename().string().starts_with("poses"))
+            others.push_back(entry.filename().string());
+    if (!others.empty()) rig.remarks.push_back(choice_remark("poses_bounds.npy", others));
 }
 
 // The camera of a row: camera to world with columns [down, right, backwards, position], then a column (H, W, focal).
@@ -98,6 +103,7 @@ Rig read_n3v_rig(const std::filesystem::path& folder, Split split) {
     rig.format = "n3v";
     rig.world = "the unit and the axes of the structure from motion, not turned";
     rig.file = poses_file(folder).string();
+    note_other_poses(rig);
     const NpyArray poses = read_npy(poses_file(folder));
     if (poses.shape.size() != 2 || poses.shape[1] != kRow)
         throw InputError(rig.file, "header", fmt::format("is not an array of N×{} numbers", kRow),
@@ -108,8 +114,9 @@ Rig read_n3v_rig(const std::filesystem::path& folder, Split split) {
             rig.file, "",
             fmt::format("has {} rows, but beside it lie {} videos cam*.mp4", poses.shape[0], videos.size()),
             "give each row its video: rows are in order of the videos' names");
-    if (videos.size() < 2)
-        throw InputError(rig.file, "", "has one camera, and the first is held out for the test", "give two or more");
+    if (videos.size() < 2 && split != Split::kAll)
+        throw InputError(rig.file, "", "has one camera, and the first is held out for the test",
+                         "give two or more, or `--holdout 0`");
     std::vector<CameraFrames> cameras;
     for (size_t i = 0; i < videos.size(); ++i) {
         const std::string place = fmt::format("row {}", i);
@@ -123,7 +130,8 @@ Rig read_n3v_rig(const std::filesystem::path& folder, Split split) {
     name_by_time(rig, cameras);
     const std::map<std::string, double> times = times_by_moment(cameras);
     for (const CameraFrames& camera : cameras) {
-        if ((camera.group == 0) != (split == Split::kTest)) continue;
+        rig.poses.push_back(camera.camera.world_from_camera);
+        if (split != Split::kAll && (camera.group == 0) != (split == Split::kTest)) continue;
         rig.cameras.push_back(camera.camera);
         add_shots(rig, static_cast<uint32_t>(rig.cameras.size() - 1), camera.frames, times);
     }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -13,6 +14,8 @@
 #include "training/image_reader.h"
 #include "training/layouts/calibration.h"
 #include "training/layouts/camera_folders.h"
+#include "training/layouts/camera_names.h"
+#include "training/layouts/candidates.h"
 #include "training/layouts/transforms.h"
 
 namespace neuvv::training {
@@ -73,8 +76,28 @@ std::filesystem::path split_file(const std::filesystem::path& folder, const char
     return folder / fmt::format("transforms_{}.json", split);
 }
 
+// Reads the training frames, and behind them those of the test.
+SplitFrames read_files_of_all_splits(const std::filesystem::path& folder) {
+    SplitFrames result;
+    for (const char* split : {"train", "test"}) {
+        const auto file = split_file(folder, split);
+        if (!holds_file(file)) continue;
+        Transforms transforms = read_transforms(file);
+        if (result.file.empty()) {
+            result.file = file;
+            result.transforms = std::move(transforms);
+        } else {
+            for (TransformsFrame& frame : transforms.frames) result.transforms.frames.push_back(std::move(frame));
+        }
+    }
+    if (result.file.empty())
+        throw InputError(split_file(folder, "train").string(), "", "does not exist", "give the training images' file");
+    return result;
+}
+
 // Reads transforms_train.json, transforms_test.json or transforms_val.json, each of which has the frames of one split.
 SplitFrames read_file_of_split(const std::filesystem::path& folder, Split split) {
+    if (split == Split::kAll) return read_files_of_all_splits(folder);
     SplitFrames result;
     result.file = split_file(folder, name_of(split));
     result.transforms = read_transforms(result.file);
@@ -122,7 +145,7 @@ std::vector<bool> members_by_camera(const std::string& file, const Transforms& a
     const std::vector<uint32_t> cameras = number_cameras(all.frames);
     if (*std::max_element(cameras.begin(), cameras.end()) == 0)
         throw InputError(file, "frames", "has one camera, and one must be held out for the test",
-                         "give two cameras or more, or transforms_train.json and transforms_test.json");
+                         "give two cameras or more, transforms_train.json and transforms_test.json, or `--holdout 0`");
     std::vector<bool> members;
     for (const uint32_t camera : cameras) members.push_back((camera % kHoldOut == 0) == (split == Split::kTest));
     return members;
@@ -132,6 +155,7 @@ SplitFrames read_shared_file(const std::filesystem::path& folder, Split split) {
     SplitFrames result;
     result.file = folder / "transforms.json";
     Transforms& all = result.transforms = read_transforms(result.file);
+    if (split == Split::kAll) return result;
     const bool listed =
         std::any_of(all.split_files.begin(), all.split_files.end(), [](const auto& list) { return list.has_value(); });
     const std::vector<bool> members = (listed ? members_by_list : members_by_camera)(result.file.string(), all, split);
@@ -157,6 +181,57 @@ std::filesystem::path image_at(const std::filesystem::path& folder, const std::s
         if (std::filesystem::is_regular_file(candidate, ignored)) return candidate;
     }
     return {};
+}
+
+// Where a path has no ending, the .png counts, as in D-NeRF's own loader.
+void note_endings(Rig& rig, const std::vector<TransformsFrame>& frames) {
+    size_t count = 0;
+    std::string first, other;
+    for (const TransformsFrame& frame : frames) {
+        const std::filesystem::path image = image_at(rig.folder, frame.file_path);
+        if (image.empty() || image == rig.folder / frame.file_path) continue;
+        for (const char* ending : {".png", ".jpg", ".jpeg"}) {
+            const std::filesystem::path twin = rig.folder / (frame.file_path + ending);
+            if (twin == image || !holds_file(twin) || count++ > 0) continue;
+            first = image.lexically_relative(rig.folder).string();
+            other = twin.lexically_relative(rig.folder).string();
+        }
+    }
+    if (count > 0)
+        rig.remarks.push_back(choice_remark(first, {other}) +
+                              (count > 1 ? fmt::format(", and alike in {} cases", count) : ""));
+}
+
+// Other transforms files of the folder. Those of the other splits are no alternatives.
+void note_other_files(Rig& rig) {
+    std::vector<std::string> others;
+    const std::string read = std::filesystem::path(rig.file).filename().string();
+    for (const auto& entry : entries_of(rig.folder)) {
+        const std::string name = entry.filename().string();
+        const bool of_split = read != "transforms.json" && std::ranges::any_of(kSplitNames, [&](const char* split) {
+                                  return entry == split_file(rig.folder, split);
+                              });
+        if (name.starts_with("transforms") && name.ends_with(".json") && name != read && !of_split)
+            others.push_back(name);
+    }
+    if (!others.empty()) rig.remarks.push_back(choice_remark(read, others));
+}
+
+// Says where a file gives a focal length and an angle of view that contradict each other, as after a scaling of the
+// images of which only one knows.
+void note_contradicting_angle(Rig& rig, const Intrinsics& in, const RigCamera& camera, const std::string& place) {
+    constexpr double kTolerance = 0.01;
+    const auto differs = [&](std::optional<double> pixels, std::optional<double> angle, double side) {
+        return pixels && angle && std::abs(0.5 * side / std::tan(0.5 * *angle) / *pixels - 1) > kTolerance;
+    };
+    const bool across = differs(in.fl_x, in.camera_angle_x, camera.lens.width);
+    if (!across && !differs(in.fl_y, in.camera_angle_y, camera.lens.height)) return;
+    const char axis = across ? 'x' : 'y';
+    const std::string remark =
+        fmt::format("{}: fl_{} was read, not camera_angle_{}, which contradicts it", place, axis, axis);
+    const std::string rest = remark.substr(place.size());
+    if (std::ranges::none_of(rig.remarks, [&](const std::string& other) { return other.ends_with(rest); }))
+        rig.remarks.push_back(remark);
 }
 
 std::filesystem::path find_image(const Rig& rig, const std::string& path, const std::string& place) {
@@ -287,23 +362,59 @@ void time_by_name(const Rig& rig, std::vector<ImageFrame>& frames, const std::ve
     for (ImageFrame& frame : frames) frame.frame.time = times.at(stem(frame.frame));
 }
 
-RigCamera make_camera(const Rig& rig, const TransformsFrame& frame, uint32_t number, ImageSource first_image) {
+RigCamera make_camera(Rig& rig, const TransformsFrame& frame, const std::string& name, ImageSource first_image) {
     const Intrinsics& in = frame.intrinsics;
     first_image.as_stored = rig.images_as_stored;
     const media::ImageSize size = in.width ? media::ImageSize{in.width, in.height} : size_of(first_image);
     RigCamera camera;
-    camera.name = fmt::format("{}", number);
+    camera.name = name;
     camera.world_from_camera = frame.world_from_camera;
     camera.lens = make_lens(in, size.width, size.height);
+    note_contradicting_angle(rig, in, camera, frame.place);
     if (!frame.background_path.empty())
         camera.plate.path = find_image(rig, frame.background_path, frame.place + ".background_path");
     return camera;
 }
 
-void add_cameras_and_shots(Rig& rig, const std::vector<ImageFrame>& images) {
+// A name for each camera of these frames: the folder of its images where each camera has one of its own, else what the
+// names of its images have in common, else its number.
+std::vector<std::string> names_of_cameras(const std::vector<TransformsFrame>& frames) {
+    const std::vector<uint32_t> cameras = number_cameras(frames);
+    const size_t count = frames.empty() ? 0 : 1 + *std::ranges::max_element(cameras);
+    std::vector<std::set<std::string>> folders(count);
+    std::vector<std::vector<std::string>> stems(count), paths(count);
+    for (size_t i = 0; i < frames.size(); ++i) {
+        const std::filesystem::path path = std::filesystem::path(frames[i].file_path).lexically_normal();
+        folders[cameras[i]].insert(path.parent_path().filename().string());
+        stems[cameras[i]].push_back(path.stem().string());
+        std::string whole = std::filesystem::path(path).replace_extension().generic_string();
+        std::ranges::replace(whole, '/', '_');
+        paths[cameras[i]].push_back(whole);
+    }
+    std::vector<std::vector<std::string>> in_folders(count);
+    bool own_folders = count > 1;
+    for (size_t c = 0; c < count; ++c) {
+        own_folders &= folders[c].size() == 1;
+        in_folders[c] = {*folders[c].begin()};
+    }
+    if (own_folders)
+        if (auto names = names_by_images(in_folders)) return *names;
+    for (const auto& images : {stems, paths})
+        if (auto names = names_by_images(images)) return *names;
+    std::vector<std::string> numbers;
+    for (size_t c = 0; c < count; ++c) numbers.push_back(fmt::format("{}", c));
+    return numbers;
+}
+
+// `others`: the frames of the other splits, from whose cameras names must differ.
+void add_cameras_and_shots(Rig& rig, const std::vector<ImageFrame>& images, std::vector<TransformsFrame> others) {
     std::vector<TransformsFrame> frames;
     for (const ImageFrame& image : images) frames.push_back(image.frame);
     const std::vector<uint32_t> cameras = number_cameras(frames);
+    for (const auto& list : {frames, others})
+        for (const TransformsFrame& frame : list) rig.poses.push_back(frame.world_from_camera);
+    others.insert(others.begin(), frames.begin(), frames.end());  // first, so that numbers are those of `cameras`
+    const std::vector<std::string> names = names_of_cameras(others);
     std::vector<const TransformsFrame*> first;  // by camera
     for (size_t i = 0; i < frames.size(); ++i) {
         const TransformsFrame& frame = frames[i];
@@ -314,7 +425,7 @@ void add_cameras_and_shots(Rig& rig, const std::vector<ImageFrame>& images) {
         shot.image = images[i].image;
         if (shot.camera == first.size()) {
             first.push_back(&frame);
-            rig.cameras.push_back(make_camera(rig, frame, shot.camera, shot.image));
+            rig.cameras.push_back(make_camera(rig, frame, names.at(shot.camera), shot.image));
         }
         if (frame.background_path != first[shot.camera]->background_path)
             throw InputError(rig.file, frame.place + ".background_path",
@@ -388,12 +499,14 @@ Rig read_nerf_rig(const std::filesystem::path& folder, Split split) {
     rig.file = file.string();
     rig.box = transforms.box;
     rig.fps = transforms.fps;
+    note_other_files(rig);
+    note_endings(rig, transforms.frames);
     const Sequences sequences = find_sequences(rig, transforms.frames, other_frames);
     std::vector<ImageFrame> images = image_frames(rig, transforms.frames, sequences);
     const std::vector<TransformsFrame> others = spread_frames(rig, other_frames, sequences);
     has_everywhere(rig, images, "time", [](const auto& image) { return image.frame.time.has_value(); });
     time_by_name(rig, images, others);
-    add_cameras_and_shots(rig, images);
+    add_cameras_and_shots(rig, images, others);
     find_masks(rig, images);
     name_shots(rig, images, others);
     return rig;

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "training/layouts/calibration.h"
 #include "training/layouts/camera_folders.h"
+#include "training/layouts/candidates.h"
 #include "training/layouts/opencv_yaml.h"
 
 namespace neuvv::training {
@@ -80,10 +81,13 @@ CalibratedCamera camera_in(const OpencvYaml& file, const std::string& name) {
     return result;
 }
 
-// The folder's files with a camera matrix, by the name of the camera. Other YAML files may lie beside them.
-std::map<std::string, std::filesystem::path, NaturalOrder> camera_files(const std::filesystem::path& folder) {
-    std::map<std::string, std::filesystem::path, NaturalOrder> files;
-    for (const auto& candidate : {folder, folder / "calibration"}) {
+// Files with a camera matrix, by the name of the camera: those of the first folder that has any. Other YAML files may
+// lie beside them. `remark`: which other folder has such files, too.
+using CameraFiles = std::map<std::string, std::filesystem::path, NaturalOrder>;
+CameraFiles camera_files(const std::filesystem::path& folder, std::string* remark = nullptr) {
+    CameraFiles chosen;
+    for (const auto& candidate : calibration_folders(folder)) {
+        CameraFiles files;
         for (const char* ending : {".yml", ".yaml"})
             for (const char* key : kMatrixKeys)
                 for (const auto& file : find_files_by_head(candidate, ending, {fmt::format("\n{}:", key)})) {
@@ -92,9 +96,14 @@ std::map<std::string, std::filesystem::path, NaturalOrder> camera_files(const st
                         throw InputError(file.string(), "", "is of the same camera as " + found->second.string(),
                                          "remove one of them");
                 }
-        if (!files.empty()) return files;
+        if (files.empty()) continue;
+        if (chosen.empty())
+            chosen = files;
+        else if (remark)
+            *remark = choice_remark(chosen.begin()->second.lexically_relative(folder).string() + " and its like",
+                                    {files.begin()->second.lexically_relative(folder).string() + " and its like"});
     }
-    return files;
+    return chosen;
 }
 
 }  // namespace
@@ -104,7 +113,8 @@ bool has_opencv_files(const std::filesystem::path& folder) {
 }
 
 Rig read_opencv_rig(const std::filesystem::path& folder, Split split) {
-    const auto files = camera_files(folder);
+    std::string remark;
+    const CameraFiles files = camera_files(folder, &remark);
     if (files.empty())
         throw InputError(folder.string(), "", "holds no YAML file with a camera_matrix",
                          "put the calibration of each camera into <camera>.yml");
@@ -112,6 +122,7 @@ Rig read_opencv_rig(const std::filesystem::path& folder, Split split) {
     rig.folder = folder;
     rig.format = "opencv";
     rig.file = files.begin()->second.parent_path().string();
+    if (!remark.empty()) rig.remarks.push_back(remark);
     rig.world = "the unit and the axes of the board that the cameras were calibrated by, not turned";
     std::vector<CalibratedCamera> cameras;
     for (const auto& [name, path] : files) {

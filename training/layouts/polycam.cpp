@@ -11,6 +11,7 @@
 #include "training/image_reader.h"
 #include "training/layouts/calibration.h"
 #include "training/layouts/camera_folders.h"
+#include "training/layouts/candidates.h"
 #include "training/layouts/json_pose.h"
 
 namespace neuvv::training {
@@ -65,6 +66,8 @@ Rig read_polycam_rig(const std::filesystem::path& folder, Split split) {
             stills.push_back(std::move(still));
         }
         rig.remarks.emplace_back(kOneMoment);
+        if (cameras == kPolycamFolders[0].first && !images_in(folder / kPolycamFolders[1].second).empty())
+            rig.remarks.push_back(choice_remark(images, {kPolycamFolders[1].second}));
         add_cameras(rig, stills, split);
         return rig;
     }

@@ -2,6 +2,9 @@
 // a table for each camera, with name, size [w, h], matrix [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], distortions k1 k2 p1
 // p2 (k3), or k1 … k4 where fisheye is true, rotation (Rodrigues' vector) and translation, all as OpenCV has them:
 // x_camera = R x_world + T. Pose2Sim has metres, and a world with +Z up; the table `metadata` is no camera.
+// Caliscope's camera_array.toml has the same numbers in tables [cameras.0], [cameras.1] … (its older config.toml in
+// [cam_0] …, with 3×3 rotations), metres and +Z up; its videos are cam_0.mp4 … or port_0.mp4 …. It keeps cameras that
+// are not calibrated yet, and those that its user leaves out (`ignore`).
 #include "training/layouts/pose2sim.h"
 
 #include <fmt/format.h>
@@ -15,6 +18,7 @@
 #include "base/text.h"
 #include "training/layouts/calibration.h"
 #include "training/layouts/camera_folders.h"
+#include "training/layouts/candidates.h"
 #include "training/layouts/json_pose.h"
 
 namespace neuvv::training {
@@ -23,12 +27,12 @@ namespace {
 
 constexpr uint64_t kMaxTomlBytes = uint64_t{4} << 20;
 
-std::filesystem::path toml_file(const std::filesystem::path& folder) {
-    for (const auto& candidate : {folder, folder / "calibration"})
-        if (auto file = find_file_by_head(candidate, ".toml", {"distortions", "rotation", "translation"});
-            !file.empty())
-            return file;
-    return {};
+Choice toml_file(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& candidate : calibration_folders(folder))
+        for (const auto& file : find_files_by_head(candidate, ".toml", {"distortions", "rotation", "translation"}))
+            files.push_back(file);
+    return newest_of(files);
 }
 
 // The table of a camera.
@@ -77,34 +81,70 @@ uint32_t whole_side(const TomlCamera& camera, double side) {
 CalibratedCamera camera_of(const TomlCamera& from) {
     CalibratedCamera result{{}, from.place()};
     RigCamera& camera = result.camera;
-    camera.name = without_extension(from.table["name"].value_or(from.key));
+    camera.name = without_extension(portable_name(from.table["name"].value_or(from.key)));
     expect_inside(camera.name, from.file, from.place());
     camera.lens = opencv_lens(from.numbers("matrix", 9, 9), from.numbers("distortions", 0, 8),
                               from.table["fisheye"].value_or(false), from.file, from.place());
     const std::vector<double> size = from.numbers("size", 2, 2), t = from.numbers("translation", 3, 3);
     camera.lens.width = whole_side(from, size[0]);
     camera.lens.height = whole_side(from, size[1]);
-    const glm::dmat3 rotation = opencv_rotation(from.numbers("rotation", 3, 3), from.file, from.place());
+    const glm::dmat3 rotation = opencv_rotation(from.numbers("rotation", 3, 9), from.file, from.place());
     camera.world_from_camera = glm::dmat4(kYUpFromZUp) * world_from_opencv(rotation, {t[0], t[1], t[2]});
     expect_sound(camera, from.file, from.place());
     return result;
 }
 
-std::vector<CalibratedCamera> read_cameras(const std::filesystem::path& path) {
-    const std::string file = path.string();
-    const std::vector<uint8_t> bytes = read_file(path, kMaxTomlBytes);
-    std::map<std::string, CalibratedCamera, NaturalOrder> cameras;
+// Caliscope numbers its cameras and names their videos in one of two ways.
+std::string caliscope_name(const std::filesystem::path& folder, const std::string& number) {
+    const std::string port = "port_" + number;
+    return has_images(folder, port) ? port : "cam_" + number;
+}
+
+// A camera that Caliscope has not calibrated, or that its user left out there.
+bool is_left_out(const toml::table& table) {
+    return table["ignore"].value_or(false) || (table.contains("port") && !table.contains("rotation")) ||
+           (table.contains("cam_id") && !table.contains("rotation"));
+}
+
+using TomlCameras = std::map<std::string, CalibratedCamera, NaturalOrder>;
+
+// Adds the cameras among the tables of `parent`, which is the root, or Caliscope's `cameras`.
+void gather_cameras(Rig& rig, const toml::table& parent, bool caliscope, TomlCameras& cameras) {
+    std::string left_out;
+    for (const auto& [key, node] : parent) {
+        const std::string name(key.str());
+        const toml::table* table = node.as_table();
+        if (table && (caliscope || table->contains("matrix"))) {
+            if (is_left_out(*table)) {
+                left_out += " " + name;
+                continue;
+            }
+            CalibratedCamera camera = camera_of({rig.file, caliscope ? "cameras." + name : name, *table});
+            if (caliscope) camera.camera.name = caliscope_name(rig.folder, name);
+            if (!caliscope && table->contains("port") && !table->contains("name") && name.starts_with("cam_"))
+                camera.camera.name = caliscope_name(rig.folder, name.substr(4));
+            cameras.try_emplace(name, std::move(camera));
+        }
+    }
+    if (!left_out.empty()) rig.remarks.push_back("Caliscope ignores or has not calibrated the cameras" + left_out);
+}
+
+std::vector<CalibratedCamera> read_cameras(Rig& rig) {
+    const std::string& file = rig.file;
+    const std::vector<uint8_t> bytes = read_file(file, kMaxTomlBytes);
+    TomlCameras cameras;
     try {
         const toml::table root =
             toml::parse(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-        for (const auto& [key, node] : root)
-            if (const toml::table* table = node.as_table(); table && table->contains("matrix"))
-                cameras.try_emplace(std::string(key.str()), camera_of({file, std::string(key.str()), *table}));
+        const toml::table* nested = root["cameras"].as_table();
+        if (nested) rig.world = "metres, as Caliscope has them; +Y up, turned from +Z up";
+        gather_cameras(rig, nested ? *nested : root, nested != nullptr, cameras);
     } catch (const toml::parse_error& error) {
         throw InputError(file, fmt::format("line {}", error.source().begin.line),
                          fmt::format("is no TOML: {:.200}", error.description()));
     }
-    if (cameras.empty()) throw InputError(file, "", "has no camera", "calibrate the cameras in Pose2Sim");
+    if (cameras.empty())
+        throw InputError(file, "", "has no camera", "calibrate the cameras in the program that wrote it");
     std::vector<CalibratedCamera> result;
     for (auto& [key, camera] : cameras) result.push_back(std::move(camera));
     return result;
@@ -136,20 +176,21 @@ void name_after_videos(Rig& rig, std::vector<CalibratedCamera>& cameras) {
 }  // namespace
 
 bool has_pose2sim_files(const std::filesystem::path& folder) {
-    return !toml_file(folder).empty();
+    return !toml_file(folder).path.empty();
 }
 
 Rig read_pose2sim_rig(const std::filesystem::path& folder, Split split) {
-    const std::filesystem::path path = toml_file(folder);
+    const auto [path, remark] = toml_file(folder);
     if (path.empty())
         throw InputError(folder.string(), "", "holds no Calib.toml, and neither does its folder calibration/",
-                         "calibrate the cameras in Pose2Sim");
+                         "calibrate the cameras in Pose2Sim, anipose or Caliscope");
     Rig rig;
     rig.folder = folder;
     rig.format = "pose2sim";
     rig.file = path.string();
     rig.world = "metres, as Pose2Sim has them (anipose: the unit of its board); +Y up, turned from +Z up";
-    std::vector<CalibratedCamera> cameras = read_cameras(path);
+    if (!remark.empty()) rig.remarks.push_back(remark);
+    std::vector<CalibratedCamera> cameras = read_cameras(rig);
     name_after_videos(rig, cameras);
     add_cameras(rig, find_images(rig, cameras), split);
     return rig;

@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "training/layouts/calibration.h"
 #include "training/layouts/camera_folders.h"
+#include "training/layouts/candidates.h"
 #include "training/layouts/json_pose.h"
 #include "training/layouts/xml_file.h"
 
@@ -27,10 +28,11 @@ constexpr double kMaxBinning = 8, kBinningTolerance = 0.01;
 constexpr double kMetres_mm = 1000;
 constexpr double kSmallestRig_mm = 50;  // cameras within so few units of the origin are given in metres
 
-std::filesystem::path qca_file(const std::filesystem::path& folder) {
-    for (const auto& candidate : {folder, folder / "calibration"})
-        if (auto file = find_file_by_head(candidate, ".qca.txt", {"<calibration"}); !file.empty()) return file;
-    return {};
+Choice qca_file(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& candidate : calibration_folders(folder))
+        for (const auto& file : find_files_by_head(candidate, ".qca.txt", {"<calibration"})) files.push_back(file);
+    return newest_of(files);
 }
 
 // The pixels from first to last.
@@ -107,11 +109,11 @@ void calibrate(CalibratedCamera& camera, const XmlNode& node, double metre, doub
 }  // namespace
 
 bool has_qualisys_files(const std::filesystem::path& folder) {
-    return !qca_file(folder).empty();
+    return !qca_file(folder).path.empty();
 }
 
 Rig read_qualisys_rig(const std::filesystem::path& folder, Split split) {
-    const std::filesystem::path path = qca_file(folder);
+    const auto [path, remark] = qca_file(folder);
     if (path.empty())
         throw InputError(folder.string(), "", "holds no calibration of Qualisys, NAME.qca.txt",
                          "export it from Qualisys Track Manager");
@@ -121,6 +123,7 @@ Rig read_qualisys_rig(const std::filesystem::path& folder, Split split) {
     rig.folder = folder;
     rig.format = "qualisys";
     rig.file = path.string();
+    if (!remark.empty()) rig.remarks.push_back(remark);
     std::vector<CalibratedCamera> calibrated;
     std::vector<XmlNode> used;  // those with images: cameras that see only markers are in the file, too
     for (const XmlNode& node : root.child("cameras").children("camera")) {

@@ -24,6 +24,7 @@
 #include "training/image_reader.h"
 #include "training/layouts/calibration.h"
 #include "training/layouts/camera_folders.h"
+#include "training/layouts/candidates.h"
 #include "training/layouts/json_pose.h"
 
 namespace neuvv::training {
@@ -36,8 +37,8 @@ constexpr const char* kByteOrderMark = "\xef\xbb\xbf";
 constexpr const char* kRequired[] = {"x", "y", "alt", "heading", "pitch", "roll", "f"};
 constexpr const char* kOptional[] = {"px", "py", "k1", "k2", "k3", "k4", "t1", "t2"};
 
-std::filesystem::path table_file(const std::filesystem::path& folder) {
-    return find_file_by_head(folder, ".csv", {"#name", "heading", "pitch", "roll"});
+Choice table_file(const std::filesystem::path& folder) {
+    return newest_of(find_files_by_head(folder, ".csv", {"#name", "heading", "pitch", "roll"}));
 }
 
 struct Row {
@@ -78,7 +79,7 @@ Row read_row(const std::vector<std::string>& fields, const std::map<std::string,
             throw InputError(file, row.place, fmt::format("ends before its {}", column), "export the table again");
         return fields[at];
     };
-    row.name = without_extension(field("name"));
+    row.name = without_extension(portable_name(field("name")));
     for (const char* column : kRequired)
         row.values[column] = parse_number(field(column), file, row.place + ", " + column);
     for (const char* column : kOptional)
@@ -148,11 +149,11 @@ Lens lens_of(const Row& row, media::ImageSize size, const std::string& file) {
 }  // namespace
 
 bool has_realitycapture_files(const std::filesystem::path& folder) {
-    return !table_file(folder).empty();
+    return !table_file(folder).path.empty();
 }
 
 Rig read_realitycapture_rig(const std::filesystem::path& folder, Split split) {
-    const std::filesystem::path path = table_file(folder);
+    const auto [path, remark] = table_file(folder);
     if (path.empty())
         throw InputError(folder.string(), "", "holds no table of RealityCapture's cameras",
                          "export Registration, Internal/External camera parameters, as .csv");
@@ -161,6 +162,7 @@ Rig read_realitycapture_rig(const std::filesystem::path& folder, Split split) {
     rig.format = "realitycapture";
     rig.images_as_stored = true;
     rig.file = path.string();
+    if (!remark.empty()) rig.remarks.push_back(remark);
     rig.world = "metres where the project has a scale (ground control points, distances); +Y up, turned from +Z up";
     std::vector<CalibratedCamera> calibrated;
     std::map<std::string, Row> rows;

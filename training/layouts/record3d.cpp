@@ -17,6 +17,7 @@
 #include "training/image_reader.h"
 #include "training/layouts/calibration.h"
 #include "training/layouts/camera_folders.h"
+#include "training/layouts/candidates.h"
 #include "training/layouts/json_pose.h"
 
 namespace neuvv::training {
@@ -28,15 +29,17 @@ struct Recording {
     std::filesystem::path metadata, images;
 };
 
-Recording find_recording(const std::filesystem::path& folder) {
+// The recordings in the folder, the one that counts first.
+std::vector<Recording> find_recordings(const std::filesystem::path& folder) {
+    std::vector<Recording> found;
     std::error_code ignored;
     for (const auto& inside : {folder, folder / "EXR_RGBD"})
         for (const char* name : {"metadata.json", "metadata"})
             for (const char* images : {"rgb", "rgbd"})
                 if (std::filesystem::is_regular_file(inside / name, ignored) &&
                     std::filesystem::is_directory(inside / images, ignored))
-                    return {inside / name, inside / images};
-    return {};
+                    found.push_back({inside / name, inside / images});
+    return found;
 }
 
 glm::dmat4 record3d_pose(const JsonNode& node) {
@@ -90,14 +93,15 @@ RigCamera record3d_camera(const JsonNode& root, const std::string& name) {
 }  // namespace
 
 bool has_record3d_files(const std::filesystem::path& folder) {
-    return !find_recording(folder).metadata.empty();
+    return !find_recordings(folder).empty();
 }
 
 Rig read_record3d_rig(const std::filesystem::path& folder, Split split) {
-    const Recording recording = find_recording(folder);
-    if (recording.metadata.empty())
+    const std::vector<Recording> recordings = find_recordings(folder);
+    if (recordings.empty())
         throw InputError(folder.string(), "", "holds no metadata and rgb/ of Record3D",
                          "export EXR + RGB in Record3D, or unzip the .r3d file");
+    const Recording& recording = recordings[0];
     const JsonFile file = read_json(recording.metadata, "the metadata of Record3D");
     Rig rig;
     rig.folder = folder;
@@ -105,6 +109,13 @@ Rig read_record3d_rig(const std::filesystem::path& folder, Split split) {
     rig.images_as_stored = true;
     rig.file = file.name;
     rig.world = "metres; +Y is up in the first image, and level only where the phone was";
+    if (recordings.size() > 1) {
+        const auto text = [&](const Recording& from) {
+            return from.metadata.lexically_relative(folder).string() + " with " +
+                   from.images.lexically_relative(folder).string() + "/";
+        };
+        rig.remarks.push_back(choice_remark(text(recording), {text(recordings[1])}));
+    }
     std::vector<CameraFrames> stills;
     for (const auto& [name, image] : images_in(recording.images)) {
         CameraFrames still{record3d_camera(file.root(), name), fmt::format("poses[{}]", name), stills.size(), {}, {}};

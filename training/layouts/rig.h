@@ -10,6 +10,7 @@
 
 #include "training/dataset.h"
 #include "training/lens.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::training {
 
@@ -53,7 +54,10 @@ struct Rig {
     std::vector<Shot> shots;  // those of one split
     MaskMeaning masks = MaskMeaning::kMatte;
     std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // min, max in metres, where the files give one
-    double fps = 0;                                        // 0 where the files give none
+    // Cameras and box are in this frame of the capture's coordinates; loaders leave it as it is (world_of_rig.h).
+    voctree::WorldFrame frame{};
+    std::vector<glm::dmat4> poses = {};  // those of the cameras of all splits, as the files have them
+    double fps = 0;                      // 0 where the files give none
     // What a person checks before training: the unit of the poses and the way up, and what else the loader decided.
     std::string world;
     std::vector<std::string> remarks;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -79,7 +80,7 @@ void expect_terms_of_model(const JsonNode& node, const Intrinsics& in) {
         if (in.k[i] != 0) node.fail(fmt::format("k{} is no term of the lens model {}", i + 1, model.name), "remove it");
     if (!model.tangential && (in.p1 != 0 || in.p2 != 0))
         node.fail(fmt::format("p1, p2 are no terms of the lens model {}", model.name), "remove them");
-    if (model.lens == LensModel::kFisheye && !in.fl_x)
+    if (model.lens == LensModel::kFisheye && !in.fl_x && !in.fl_y)
         node.fail("is a fisheye with an angle of view, which says nothing of its focal length", "give fl_x in pixels");
 }
 
@@ -122,12 +123,19 @@ Intrinsics read_intrinsics(const JsonNode& node, Intrinsics result) {
     return result;
 }
 
+// Programs of Windows write backslashes for slashes.
+std::string with_slashes(std::string path) {
+    std::ranges::replace(path, '\\', '/');
+    return path;
+}
+
 // A data set reads nothing outside its folder.
 std::string read_path(const JsonNode& node) {
-    const std::string& name = json_string(node);
+    const std::string name = with_slashes(json_string(node));
     const std::filesystem::path path(name);
     if (name.empty() || name.find('\0') != std::string::npos) node.fail("is not a file name");
-    if (path.is_absolute()) node.fail("is an absolute path", "give it relative to the folder of this file");
+    if (path.is_absolute() || (name.size() > 2 && name[1] == ':' && name[2] == '/'))
+        node.fail("is an absolute path", "give it relative to the folder of this file");
     for (const auto& part : path)
         if (part == "..")
             node.fail("leads out of the data set's folder", "move the file inside and name it without ..");
@@ -139,7 +147,8 @@ TransformsFrame read_frame(const JsonNode& node, const Intrinsics& common) {
     TransformsFrame frame;
     frame.place = node.place;
     frame.intrinsics = read_intrinsics(node, common);
-    if (!frame.intrinsics.fl_x && !frame.intrinsics.camera_angle_x && !frame.intrinsics.camera_angle_y)
+    const Intrinsics& in = frame.intrinsics;
+    if (!in.fl_x && !in.fl_y && !in.camera_angle_x && !in.camera_angle_y)
         node.fail("has no focal length", "give camera_angle_x or fl_x, here or at the top of the file");
     expect_terms_of_model(node, frame.intrinsics);
     if (!node.has("transform_matrix")) node.fail("has no transform_matrix", "give its pose, camera to world");
@@ -206,7 +215,7 @@ std::optional<std::vector<std::string>> read_file_list(const JsonNode& root, con
     const JsonNode list = root[key];
     if (!list.value.is_array()) list.fail(fmt::format("is a {}, not an array", list.value.type_name()));
     std::vector<std::string> files;
-    for (size_t i = 0; i < list.value.size(); ++i) files.push_back(json_string(list[i]));
+    for (size_t i = 0; i < list.value.size(); ++i) files.push_back(with_slashes(json_string(list[i])));
     return files;
 }
 
@@ -259,13 +268,14 @@ Lens make_lens(const Intrinsics& in, uint32_t width, uint32_t height) {
     lens.p2 = in.p2;
     lens.width = width;
     lens.height = height;
-    if (in.fl_x)
-        lens.fx = *in.fl_x;
-    else if (in.camera_angle_x)
-        lens.fx = 0.5 * width / std::tan(0.5 * *in.camera_angle_x);
-    else
-        lens.fx = 0.5 * height / std::tan(0.5 * in.camera_angle_y.value());
-    lens.fy = in.fl_y.value_or(lens.fx);
+    const auto focal_length = [](std::optional<double> pixels, std::optional<double> angle, uint32_t side) {
+        if (!pixels && angle) pixels = 0.5 * side / std::tan(0.5 * *angle);
+        return pixels;
+    };
+    const auto across = focal_length(in.fl_x, in.camera_angle_x, width);
+    const auto down = focal_length(in.fl_y, in.camera_angle_y, height);
+    lens.fx = across ? *across : down.value();
+    lens.fy = down.value_or(lens.fx);
     lens.cx = in.cx.value_or(0.5 * width);
     lens.cy = in.cy.value_or(0.5 * height);
     return lens;

@@ -13,12 +13,12 @@
 
 namespace neuvv::training {
 
-// Intrinsics as the file gives them: a focal length is either in pixels or an angle. Fields of a frame win over those
-// at the top of the file.
+// Intrinsics as the file gives them: a focal length is in pixels, or else an angle, along each axis by itself; what is
+// given of one axis alone is that of both. Fields of a frame win over those at the top of the file.
 struct Intrinsics {
     std::optional<double> fl_x, fl_y, cx, cy;
     std::optional<double> camera_angle_x;  // radians, the whole horizontal angle of view
-    std::optional<double> camera_angle_y;  // the vertical one; counts where fl_x and camera_angle_x are not given
+    std::optional<double> camera_angle_y;  // the vertical one
     uint32_t width = 0, height = 0;        // 0: not given
     std::string camera_model;              // empty: not given
     LensModel lens_model = LensModel::kBrown;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -69,6 +70,43 @@ struct Metashape : testing::Test {
         this->*part = good;
     }
 };
+
+// A slave has no transform: it stands in its master as its sensor says.
+TEST_F(Metashape, SlavesOfAMultiCameraSystemStandInTheirMaster) {
+    const std::string slave = "<camera id=\"3\" sensor_id=\"5\" component_id=\"0\" label=\"slave\" master_id=\"1\"/>";
+    test::write_grey_png(folder.path / "images" / "slave" / "0000.png", 64, 48);
+    test::write_grey_png(folder.path / "images" / "slave" / "0001.png", 64, 48);
+    const std::string one_sensor = xml();
+    const std::string of_slave = one_sensor.substr(one_sensor.find("<sensor id"));
+    std::string sensor = of_slave.substr(0, of_slave.find("</sensor>"));
+    sensor.replace(sensor.find("\"4\""), 3, "\"5\" master_id=\"4\"");
+    const auto write = [&](const std::string& place) {
+        std::string text = xml();
+        text.insert(text.find("</sensors>"), sensor + place + "</sensor>");
+        write_text(folder.path / "cameras.xml", text);
+        return training::read_rig(folder.path, training::Split::kTrain);
+    };
+    more_cameras = slave;
+    // The slave is turned by 90 degrees about the master's x and stands half a unit to its right.
+    const training::Rig rig = write("<rotation>1 0 0 0 0 -1 0 1 0</rotation><location>0.5 0 0</location>");
+    ASSERT_EQ(rig.cameras.size(), 3u);
+    const auto& placed = *std::ranges::find_if(rig.cameras, [](const auto& camera) { return camera.name == "slave"; });
+    const glm::dvec3 in_slave(0.1, 0.2, 2), in_master = {0.6, -2, 0.2};
+    const glm::dvec4 opengl(in_slave.x, -in_slave.y, -in_slave.z, 1);
+    const glm::dvec3 found(placed.world_from_camera[3] +
+                           2.0 * (placed.world_from_camera * (opengl - glm::dvec4(0, 0, 0, 1))));
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(found[i], in_world(in_master)[i], 1e-9) << i;
+    EXPECT_NE(rig.remarks.at(1).find("1 cameras of multi-camera systems"), std::string::npos);
+
+    expect_input_error([&] { write(""); }, {"camera, line", "multi-camera system (master_id 1)"});
+    more_cameras = slave;
+    more_cameras.replace(more_cameras.find("sensor_id=\"5\""), 13, "sensor_id=\"4\"");
+    expect_input_error([&] { read(); }, {"multi-camera system"});
+    more_cameras.replace(more_cameras.find("master_id=\"1\""), 13, "master_id=\"7\"");
+    expect_input_error([&] { read(); }, {"camera 7", "missing or disabled"});
+    more_cameras.replace(more_cameras.find("master_id=\"7\""), 13, "master_id=\"8\"");
+    EXPECT_EQ(read().cameras.size(), 2u) << "a master that is not aligned places none";
+}
 
 TEST_F(Metashape, APointFallsWhereTheManualPutsIt) {
     const training::Rig rig = read();

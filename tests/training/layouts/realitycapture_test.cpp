@@ -85,7 +85,7 @@ TEST_F(RealityCapture, DamageIsNamed) {
     expect_bad(1, "b.tif,1,2,3,0,90,0,-18,0,0,0,0,0,0,0,0", {"line 4", "focal"});
     expect_bad(1, "../b.tif,1,2,3,0,90,0,18,0,0,0,0,0,0,0,0", {"line 4", "../b"});
     expect_bad(1, "a.png,1,2,3,0,90,0,18,0,0,0,0,0,0,0,0", {"line 4", "name a"});
-    expect_bad(1, "b.tif,4e6,2,3,0,90,0,18,0,0,0,0,0,0,0,0", {"line 4", "origin"});
+    expect_bad(1, "b.tif,4e9,2,3,0,90,0,18,0,0,0,0,0,0,0,0", {"line 4", "origin"});
     header = "#name,x,y,heading,pitch,roll,f";
     expect_input_error([&] { read(); }, {"registration.csv", "header", "alt"});
     header = "#names,x,y,alt,heading,pitch,roll,f";

@@ -1,0 +1,59 @@
+#include "voctree/world_frame.h"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "base/error.h"
+#include "voctree/chunk_file.h"
+#include "voctree/clip_index.h"
+
+namespace neuvv::voctree {
+
+namespace {
+
+constexpr char kChunkName[] = "wRLD";
+using FrameNumbers = std::array<double, 4>;  // origin, unit: 4 f64
+
+WorldFrame frame_in_file(const std::filesystem::path& path) {
+    ChunkReader file(path);
+    ChunkHeader chunk;
+    while (file.next(chunk)) {
+        if (chunk.name != kChunkName) {
+            file.skip(false);
+            continue;
+        }
+        FrameNumbers numbers{};
+        std::memcpy(numbers.data(), file.take(sizeof numbers).data(), sizeof numbers);
+        const WorldFrame world{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
+        bool sound = world.unit >= kMinWorldUnit && world.unit <= kMaxWorldUnit;
+        for (int i = 0; i < 3; ++i) sound &= std::abs(world.origin[i]) <= kMaxWorldDistance;
+        if (!sound) file.fail("says no place of a capture", "write the file again");
+        return world;
+    }
+    return {};
+}
+
+}  // namespace
+
+ChunkOfFrame::ChunkOfFrame(const WorldFrame& frame) {
+    if (frame.is_same()) return;
+    const FrameNumbers numbers = {frame.origin.x, frame.origin.y, frame.origin.z, frame.unit};
+    chunks_.push_back({kChunkName, std::vector<uint8_t>(sizeof numbers)});
+    std::memcpy(chunks_[0].bytes.data(), numbers.data(), sizeof numbers);
+}
+
+std::vector<NvvChunkView> ChunkOfFrame::views() const {
+    std::vector<NvvChunkView> views;
+    for (const NvvChunk& chunk : chunks_) views.emplace_back(chunk);
+    return views;
+}
+
+WorldFrame read_world_frame(const std::filesystem::path& clip) {
+    if (!is_segmented(clip)) return content_of(clip) == FileContent::kClip ? frame_in_file(clip) : WorldFrame{};
+    for (const ClipSegment& segment : read_clip_index(clip).segments)
+        if (content_of(segment.file) == FileContent::kClip) return frame_in_file(segment.file);
+    return {};
+}
+
+}  // namespace neuvv::voctree
