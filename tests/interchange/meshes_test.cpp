@@ -272,6 +272,26 @@ TEST(MeshFiles, ObjIsReadBack) {
     EXPECT_EQ(media::read_png(folder.path / "a b_texture.png").rgba, mesh.texture.rgba);
 }
 
+TEST(MeshFiles, StandInTheirCapture) {
+    const ColouredMesh mesh = textured();
+    const glm::dvec3 origin(512350.125, 410, -5403210.0625), expected = glm::dvec3(mesh.mesh.positions[0]) + origin;
+    const TemporaryFolder folder;
+    interchange::write_mesh_obj(folder.path / "x.obj", mesh, origin);
+    const std::string text = read_text(folder.path / "x.obj");
+    glm::dvec3 found(0);
+    ASSERT_EQ(std::sscanf(text.substr(text.find("\nv ")).c_str(), "\nv %lf %lf %lf", &found.x, &found.y, &found.z), 3);
+    for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(found[axis], expected[axis], 1e-6);
+
+    const ColouredMesh coloured = *interchange::clip_mesh(two_colours(), {0.5, 0, 0, 0}, [](std::string_view) {});
+    interchange::write_mesh_ply(folder.path / "x.ply", coloured, origin);
+    const std::string ply = read_text(folder.path / "x.ply");
+    EXPECT_NE(ply.find("property double x\nproperty double y\nproperty double z\nproperty float nx\n"),
+              std::string::npos);
+    std::memcpy(&found, &ply[ply.find("end_header\n") + 11], sizeof found);
+    for (int axis = 0; axis < 3; ++axis)
+        EXPECT_EQ(found[axis], double{coloured.mesh.positions[0][axis]} + origin[axis]);
+}
+
 TEST(MeshFiles, ObjMayBeEmpty) {
     const TemporaryFolder folder;
     interchange::write_mesh_obj(folder.path / "x.obj", ColouredMesh());

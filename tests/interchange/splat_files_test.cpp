@@ -106,6 +106,25 @@ TEST(SplatFiles, GltfHasEveryFrame) {
     }
 }
 
+// Floats of a mesh hold no easting of UTM, but the numbers of JSON and USD do.
+TEST(SplatFiles, StandInTheirCapture) {
+    const glm::dvec3 origin(512350.125, 410, -5403210.0625);
+    const TemporaryFolder folder;
+    interchange::write_splat_glb(folder.path / "x.glb", three_frames(), 25, origin);
+    const GlbReader glb(folder.path / "x.glb");
+    ASSERT_EQ(glb.head["nodes"].size(), 4u);
+    const size_t root = glb.head["scenes"][0]["nodes"][0];
+    EXPECT_EQ(glb.head["scenes"][0]["nodes"].size(), 1u);
+    EXPECT_EQ(glb.head["nodes"][root]["children"], json({0, 1, 2}));
+    for (size_t axis = 0; axis < 3; ++axis)
+        EXPECT_EQ(glb.head["nodes"][root]["translation"][axis].get<double>(), origin[static_cast<int>(axis)]);
+    interchange::write_splat_usda(folder.path / "x.usda", three_frames(), 25, origin);
+    EXPECT_NE(read_text(folder.path / "x.usda")
+                  .find("    double3 xformOp:translate = (512350.125, 410, -5403210.0625)\n"
+                        "    uniform token[] xformOpOrder = [\"xformOp:translate\"]\n"),
+              std::string::npos);
+}
+
 // At the middle of each frame's time, its node alone has a size.
 TEST(SplatFiles, GltfShowsOneFrameAfterTheOther) {
     const TemporaryFolder folder;

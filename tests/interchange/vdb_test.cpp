@@ -126,12 +126,13 @@ TEST(VdbWriter, HasTheLeavesOfTheFrame) {
     EXPECT_GT(inside, 300);
 }
 
-TEST(VdbWriter, MayBeTurned) {
+TEST(VdbWriter, MayBeTurnedAndMoved) {
     const voctree::VOctree tree = some_tree();
     const FrameVolume volume = interchange::frame_volume(tree, 2);
     const TemporaryFolder folder;
     interchange::VdbOptions options;
     options.rotation = glm::angleAxis(0.7, glm::normalize(glm::dvec3(1, 2, 3)));
+    options.origin = {512350, 410, -5403210};
     interchange::write_vdb(folder.path / "x.vdb", volume, options);
     const OpenFile file(folder.path / "x.vdb");
     const auto density = file.grid<openvdb::FloatGrid>("density");
@@ -142,7 +143,7 @@ TEST(VdbWriter, MayBeTurned) {
         const glm::dvec3 at = point_in(tree, random);
         const VolumeLeaf* leaf = leaf_at(volume, at);
         const double sigma = leaf ? double{leaf->sigma} : 0;
-        EXPECT_NEAR(double{value_at(*density, options.rotation * at)}, sigma, 1e-3 * sigma);
+        EXPECT_NEAR(double{value_at(*density, options.rotation * at + options.origin)}, sigma, 1e-3 * sigma);
         inside += leaf != nullptr;
     }
     EXPECT_GT(inside, 70);
