@@ -68,7 +68,7 @@ std::string capture_line(const std::string& clip) {
     if (frame.is_same()) return "";
     const glm::dvec3& o = frame.origin;
     return fmt::format(
-        "capture its origin is ({:.15g}, {:.15g}, {:.15g}) of the capture, its metre {:.6g} of its units\n", o.x, o.y,
+        "capture ({:.15g}, {:.15g}, {:.15g}) is the clip's origin, {:.6g} of its units a metre here\n", o.x, o.y,
         o.z, frame.unit);
 }
 

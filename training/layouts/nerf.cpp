@@ -378,8 +378,8 @@ RigCamera make_camera(Rig& rig, const TransformsFrame& frame, const std::string&
 
 // A name for each camera of these frames: the folder of its images where each camera has one of its own, else what the
 // names of its images have in common, else its number.
-std::vector<std::string> names_of_cameras(const std::vector<TransformsFrame>& frames) {
-    const std::vector<uint32_t> cameras = number_cameras(frames);
+std::vector<std::string> names_of_cameras(const std::vector<TransformsFrame>& frames,
+                                          const std::vector<uint32_t>& cameras) {
     const size_t count = frames.empty() ? 0 : 1 + *std::ranges::max_element(cameras);
     std::vector<std::set<std::string>> folders(count);
     std::vector<std::vector<std::string>> stems(count), paths(count);
@@ -411,10 +411,11 @@ void add_cameras_and_shots(Rig& rig, const std::vector<ImageFrame>& images, std:
     std::vector<TransformsFrame> frames;
     for (const ImageFrame& image : images) frames.push_back(image.frame);
     const std::vector<uint32_t> cameras = number_cameras(frames);
-    for (const auto& list : {frames, others})
-        for (const TransformsFrame& frame : list) rig.poses.push_back(frame.world_from_camera);
     others.insert(others.begin(), frames.begin(), frames.end());  // first, so that numbers are those of `cameras`
-    const std::vector<std::string> names = names_of_cameras(others);
+    const std::vector<uint32_t> all = number_cameras(others);
+    for (size_t i = 0; i < others.size(); ++i)
+        if (all[i] == rig.poses.size()) rig.poses.push_back(others[i].world_from_camera);
+    const std::vector<std::string> names = names_of_cameras(others, all);
     std::vector<const TransformsFrame*> first;  // by camera
     for (size_t i = 0; i < frames.size(); ++i) {
         const TransformsFrame& frame = frames[i];
