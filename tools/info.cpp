@@ -67,9 +67,8 @@ std::string capture_line(const std::string& clip) {
     const voctree::WorldFrame frame = voctree::read_world_frame(clip);
     if (frame.is_same()) return "";
     const glm::dvec3& o = frame.origin;
-    return fmt::format(
-        "capture ({:.15g}, {:.15g}, {:.15g}) is the clip's origin, {:.6g} of its units a metre here\n", o.x, o.y,
-        o.z, frame.unit);
+    return fmt::format("capture ({:.15g}, {:.15g}, {:.15g}) is the clip's origin, {:.6g} of its units a metre here\n",
+                       o.x, o.y, o.z, frame.unit);
 }
 
 nlohmann::ordered_json json_of(const InfoOptions& options, const voctree::NvvSummary& summary) {
