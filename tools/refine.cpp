@@ -145,10 +145,9 @@ std::optional<training::RigFindings> search_rig(const gpu::Device& device, const
     auto found =
         training::search_rig(device, dataset, settings, move_cameras, [&](const training::RigSearchProgress& now) {
             if (!std::exchange(said, true))
-                say(
-                           "a draft looks for errors of the rig for {}; Ctrl-C ends it with what it has found\n",
-                           now.most_s > 0 ? "at most " + format_duration(now.most_s)
-                                          : "about " + format_duration(now.elapsed_s + now.eta_s));
+                say("a draft looks for errors of the rig for {}; Ctrl-C ends it with what it has found\n",
+                    now.most_s > 0 ? "at most " + format_duration(now.most_s)
+                                   : "about " + format_duration(now.elapsed_s + now.eta_s));
             if (line.is_due()) line.print(progress_text(now));
             return !stop_requested();
         });
@@ -166,10 +165,10 @@ bool correct_rig(const gpu::Device& device, const training::Dataset& dataset, co
     training::Refinement what = refine.what;
     if (found && refine.automatic) what = training::worthwhile(*found);
     if (!found || !found->whole)
-        say("the draft ended before its end: {}\n",
-                   !found             ? "nothing was found, and nothing is corrected"
-                   : refine.automatic ? "poses and times are not known well enough to be corrected"
-                                      : "what it found is not exact");
+        say("the draft ended before its end: {}\n", !found ? "nothing was found, and nothing is corrected"
+                                                    : refine.automatic
+                                                        ? "poses and times are not known well enough to be corrected"
+                                                        : "what it found is not exact");
     if (refine.automatic) say("--refine auto: {}\n", names_of(what));
     settings.refine = what.colour;
     if (found && what.poses) settings.rig.poses = found->changes.poses;

@@ -372,8 +372,7 @@ RenderTotals render_images(const RenderOptions& options, media::ImageSize size, 
     }
     sink.finish(part.end(), [&] { part.finish_whole(); });
     if (sink.removed() > 0)
-        say("removed {} images of an earlier, longer render behind image {}\n", sink.removed(),
-                   part.end() - 1);
+        say("removed {} images of an earlier, longer render behind image {}\n", sink.removed(), part.end() - 1);
     RenderTotals totals = conclude_part(options, part, size, fps);
     totals.rendered = rendered;
     totals.seconds = seconds;

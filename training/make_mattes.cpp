@@ -88,11 +88,11 @@ media::Image grey_image(const media::Image& like, const std::vector<uint8_t>& va
 ImageReader::ExpectSize size_of_camera(const Rig& rig, uint32_t camera, const ImageSource& source) {
     const Lens& lens = rig.cameras[camera].lens;
     if (lens.width == 0) return {};
-    return [&](media::ImageSize size) {
+    return [&, camera](media::ImageSize size) {
         if (size.width != lens.width || size.height != lens.height)
             throw InputError(source.path.string(), "",
-                             fmt::format("is {}×{}, but its camera in {} says {}×{}", size.width, size.height,
-                                         rig.file, lens.width, lens.height),
+                             fmt::format("is {}×{}, but its camera {} in {} says {}×{}", size.width, size.height,
+                                         rig.cameras[camera].name, rig.file, lens.width, lens.height),
                              "give all images and mattes of a camera the size that its calibration is for");
     };
 }
@@ -163,7 +163,6 @@ media::Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const st
 media::Image MatteMaker::read(ImageReader& reader, const Rig& rig, uint32_t camera, const ImageSource& source) {
     return reader.read(source, size_of_camera(rig, camera, source));
 }
-
 
 media::Image MatteMaker::external_matte(const Rig& rig, const Shot& shot) {
     std::vector<ImageSource> candidates{{job_.from / (shot.name + ".png"), -1}};
