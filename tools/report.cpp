@@ -151,7 +151,7 @@ void tell_not_shown(const std::vector<std::string>& problems) {
 }
 
 void print_remarks(const std::vector<std::string>& remarks) {
-    for (const std::string& remark : remarks) fmt::print(stderr, "note: {}\n", remark);
+    for (const std::string& remark : remarks) say("note: {}\n", remark);
 }
 
 }  // namespace neuvv::tools
