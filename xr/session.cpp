@@ -96,7 +96,7 @@ void Session::note_change(const XrEventDataReferenceSpaceChangePending& event,
         if (event.poseValid && before)
             change->old_from_new = *before * (inverse(reference_from_tracking_) * pose_of(event.poseInPreviousSpace) *
                                               reference_from_tracking_);
-    } else if (event.referenceSpaceType == centred_type_) {
+    } else if (event.referenceSpaceType == centred_type_ || event.referenceSpaceType == XR_REFERENCE_SPACE_TYPE_LOCAL) {
         if (!change)
             change = TrackingChange{event.changeTime, Pose(), true};
         else

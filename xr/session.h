@@ -34,6 +34,10 @@ struct TrackingChange {
     std::optional<Pose> old_from_new;
     // Whether the user asked for it, so as to look ahead. Otherwise the room's area or floor was found anew.
     bool by_user = false;
+    bool moves() const {
+        return !old_from_new || old_from_new->position != glm::dvec3(0) ||
+               old_from_new->rotation != glm::dquat(1, 0, 0, 0);
+    }
 };
 
 // The other events of a poll.
@@ -81,8 +85,8 @@ class Session {
     // LOCAL, which is at the height of the eyes.
     //
     // Recentring moves LOCAL and LOCAL_FLOOR, and on most runtimes not STAGE. STAGE is preferred nevertheless, as poses
-    // in it stay what they are: some runtimes move LOCAL_FLOOR before they say so. A change of LOCAL_FLOOR, or of LOCAL
-    // where there is none, is the user's wish to look ahead.
+    // in it stay what they are: some runtimes move LOCAL_FLOOR before they say so. A change of LOCAL_FLOOR or of LOCAL
+    // is the user's wish to look ahead.
     XrSpace tracking_space() const { return tracking_.get(); }
     bool knows_floor() const { return knows_floor_; }
     const char* floor_title() const;                // for people: how the floor is known

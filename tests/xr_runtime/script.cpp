@@ -232,6 +232,7 @@ void read_events(const Json& events, Script& script) {
         fields.read("profile", event.profile);
         fields.read("worn", event.worn);
         fields.read("says_shift", event.says_shift);
+        fields.read("silent", event.silent);
         read_names(fields, "spaces", kSpaces, event.spaces);
         if (const Json* shift = fields.find("shift")) read_pose(Fields(*shift, fields.at("shift")), event.shift);
         fields.finish();

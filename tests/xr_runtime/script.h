@@ -50,7 +50,7 @@ struct ScriptEvent {
     XrPosef shift = {{0, 0, 0, 1}, {0, 0, 0}};
     std::vector<XrReferenceSpaceType> spaces = {XR_REFERENCE_SPACE_TYPE_LOCAL, xr::kLocalFloorSpace,
                                                 XR_REFERENCE_SPACE_TYPE_STAGE};  // that move
-    bool says_shift = true;
+    bool says_shift = true, silent = false;
     std::string profile;
     float hz = 0;
 };

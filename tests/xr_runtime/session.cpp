@@ -148,11 +148,12 @@ void lose_device(const ScriptEvent& event) {
 // The new origin applies from a time at which the application has had the event.
 void recentre(Session& session, const ScriptEvent& event) {
     Progress& progress = runtime().progress;
-    const XrTime change = progress.display_times.back() + 2 * progress.period();
+    const XrTime change = progress.display_times.back() + (event.silent ? 0 : 2 * progress.period());
     for (XrReferenceSpaceType space : event.spaces) {
         const auto& offered = runtime().script.spaces;
         if (std::find(offered.begin(), offered.end(), space) == offered.end()) continue;
         progress.recentres.push_back({change, space, event.shift});
+        if (event.silent) continue;
         queue_event(*session.instance,
                     XrEventDataReferenceSpaceChangePending{
                         XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING, nullptr, session.handle, space, change,

@@ -82,6 +82,20 @@ TEST_F(Recentring, AStageThatMovesByAnUnknownPoseIsTheUsersWish) {
     EXPECT_NEAR(heading_deg(run), 0, 1e-3);
 }
 
+// As Monado does with OXR_RECENTER_STAGE: the event comes a frame after the poses.
+TEST_F(Recentring, AStageThatMovesBeforeItsEventLeavesTheUserInPlace) {
+    XrScript script = centring({}, false);
+    json moved = shift({0.5, 0, 0.3}, 180);
+    moved["spaces"] = {"stage"};
+    moved["silent"] = true;
+    script.event(8, "recentre", moved);
+    script.event(9, "recentre", {{"spaces", {"stage"}}, {"says_shift", false}});
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_LT(glm::distance(head_of(run), {0, 1.5, 0}), 1e-3);
+    EXPECT_NEAR(heading_deg(run), 0, 1e-3);
+}
+
 // Performers stand in the user's own room, so recentring moves none of them.
 TEST_F(Recentring, InTheUsersRoomNothingMoves) {
     XrScript script = centring({"local"}, true);

@@ -37,14 +37,25 @@ std::optional<motion::Pose> locate_body(Program& program, SessionContext& sessio
     return session.body->locate(inputs, head, program.state.rig, time.display);
 }
 
+// The head's last pose before the change. Some runtimes move the space before they say so.
+xr::Pose head_before(const xr::TrackingChange& change, const Program& program, const SessionContext& session,
+                     XrTime now) {
+    constexpr XrDuration kRecent_ns = 1'000'000'000;
+    const auto& jump = session.head_jump;
+    return !change.old_from_new && jump && now - jump->at < kRecent_ns ? jump->from : *program.head;
+}
+
 // Follows the tracked head: the user gets a position on the stage, and keeps it where the tracking space changes.
 void place_user(Program& program, SessionContext& session, const xr::FrameTime& time, const xr::Pose& head) {
+    constexpr double kJump_m = 0.3;  // no head moves so far in a frame
+    if (program.head && glm::distance(program.head->position, head.position) > kJump_m)
+        session.head_jump = {time.display, *program.head};
     auto& change = session.tracking_change;
     if (change && time.display >= change->from) {
-        if (program.head && program.start) {
-            // In the user's own room, performers stay where they stand in it, if the runtime knows where that is.
-            change->by_user &= !(program.state.shows_room && change->old_from_new);
-            follow_tracking_change(program.state, *change, *program.head, head);
+        // In the user's own room, performers stay where they stand in it, if the runtime knows where that is.
+        change->by_user &= !(program.state.shows_room && change->old_from_new);
+        if (program.head && program.start && (change->by_user || change->moves())) {
+            follow_tracking_change(program.state, *change, head_before(*change, program, session, time.display), head);
             program.interaction.user_was_moved(program.state);
         }
         change.reset();

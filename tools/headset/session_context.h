@@ -39,6 +39,12 @@ struct SessionContext {
     xr::EyeShapes shapes;
     std::optional<xr::TrackingChange> tracking_change;  // that is to come
     glm::dvec2 room_m = PanelStatus{}.room_m;           // width and depth of the room's free floor
+    // The last time that the head seemed to jump, and where it came from (tracking space).
+    struct HeadJump {
+        XrTime at = 0;
+        xr::Pose from;
+    };
+    std::optional<HeadJump> head_jump;
     XrTime last_display = 0;
     double images_per_second = 0;
 };
