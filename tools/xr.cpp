@@ -76,12 +76,6 @@ void print_controllers(const xr::Runtime& runtime, const headset::HeadsetProbe& 
     fmt::print(" others as their runtime translates them\n");
 }
 
-void print_images(const xr::Runtime& runtime, const gpu::Device& device) {
-    const xr::Session session(runtime, device);
-    const headset::EyeImages eyes(device, session, {});
-    fmt::print("images: {}x{} a view, {}\n", eyes.size().width, eyes.size().height, eyes.format_name());
-}
-
 // Prints what the runtime and the headset offer, and what is missing.
 void check_headset(const std::string& choice, xr::ViewChoice views) {
     xr::Runtime runtime(views);
@@ -95,9 +89,8 @@ void check_headset(const std::string& choice, xr::ViewChoice views) {
     fmt::print("body: {}\n", xr::title_of(xr::best_body_source(runtime)));
     const gpu::Device device(choice, gpu::Validation::kOff, runtime.device_extensions(), runtime.device_maker());
     fmt::print("device: {} ({})\n", device.summary().name, device.summary().driver);
-    print_images(runtime, device);
     const headset::HeadsetProbe probe = headset::probe_headset(runtime, device);
-    fmt::print("floor: {}\n", probe.floor);
+    fmt::print("images: {}\nfloor: {}\n", probe.images, probe.floor);
     if (!probe.refresh_rates.empty()) fmt::print("refresh rates: {} Hz\n", fmt::join(probe.refresh_rates, ", "));
     print_controllers(runtime, probe);
     print_extensions(runtime, probe.idle);

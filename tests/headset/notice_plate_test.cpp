@@ -77,6 +77,21 @@ TEST(NoticePlate, AnErrorIsTwoPulsesAndSuccessNone) {
     EXPECT_EQ(pulses(false), 0);
 }
 
+TEST(NoticePlate, AnErrorCanBeReadAndOneInEachFrameDoesNotHum) {
+    NoticePlate plate;
+    plate.show({"the sound has stopped", true, 0});
+    plate.show({"saved", false, 0});
+    plate.update(kHead, {}, kFrame_s);
+    EXPECT_EQ(plate.lines(), std::vector<std::string>{"the sound has stopped"});
+    int pulses = 0;
+    for (int i = 0; i < 90; i++) {
+        plate.show({"the sound has stopped", true, 0});
+        plate.update(kHead, {}, kFrame_s);
+        pulses += plate.pulse_begins();
+    }
+    EXPECT_LE(pulses, 6);
+}
+
 TEST(NoticePlate, LongTextsAreWrappedAndCutOff) {
     const auto short_text = headset::plate_lines("the stroke is still being laid: undo waits for it");
     EXPECT_EQ(short_text, (std::vector<std::string>{"the stroke is still being laid:", "undo waits for it"}));

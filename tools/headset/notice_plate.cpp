@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kAway_m = 0.8, kLine_rad = glm::radians(1.3);
 constexpr double kBelow_rad = glm::radians(14.0), kLag_rad = glm::radians(8.0);
+constexpr double kKept_s = 2;
 constexpr double kPanelInView_rad = glm::radians(28.0);
 
 size_t letters_of(const std::string& utf8) {
@@ -38,7 +39,7 @@ std::vector<std::string> plate_lines(const std::string& text) {
             lines.push_back(word);  // LabelFont shortens a word that is longer than a line
         } else {
             std::string& last = lines.back();
-            while (letters_of(last) > kWidth - 2) last.erase(std::max(last.rfind(' '), size_t{1}));
+            while (letters_of(last) > kWidth - 2 && last.find(' ') != std::string::npos) last.erase(last.rfind(' '));
             last += " …";
             break;
         }
@@ -47,10 +48,11 @@ std::vector<std::string> plate_lines(const std::string& text) {
 }
 
 void NoticePlate::show(const editor::Notice& notice) {
+    if (!notice.error && error_s_ < kKept_s) return;  // so that an error can be read
+    is_new_ = left_s_ <= 0;
     lines_ = plate_lines(notice.text);
     left_s_ = notice.error ? kErrorShown_s : kShown_s;
-    is_new_ = true;
-    if (notice.error) error_s_ = 0;
+    if (notice.error && !is_pulsing()) error_s_ = 0;
 }
 
 void NoticePlate::update(const xr::Pose& world_head, const std::optional<PanelPlacement>& panel, double dt_s) {

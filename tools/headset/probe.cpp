@@ -1,9 +1,12 @@
 #include "tools/headset/probe.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <thread>
 
+#include "tools/headset/eye_images.h"
 #include "xr/actions.h"
 #include "xr/eye_camera.h"
 #include "xr/hand_tracking.h"
@@ -19,9 +22,13 @@ constexpr int kFramesOfFocus = 30;  // in which a runtime finds controllers that
 class Prober {
   public:
     Prober(const xr::Runtime& runtime, const gpu::Device& device)
-        : runtime_(runtime), session_(runtime, device), actions_(session_, false), hands_(session_) {}
+        : runtime_(runtime), device_(device), session_(runtime, device), actions_(session_, false), hands_(session_) {}
 
     HeadsetProbe run() {
+        {
+            const EyeImages eyes(device_, session_, {});
+            found_.images = fmt::format("{}x{} a view, {}", eyes.size().width, eyes.size().height, eyes.format_name());
+        }
         found_.floor = session_.floor_title();
         found_.refresh_rates = session_.refresh_rates();
         const auto begin = std::chrono::steady_clock::now();
@@ -87,6 +94,7 @@ class Prober {
     }
 
     const xr::Runtime& runtime_;
+    const gpu::Device& device_;
     xr::Session session_;
     xr::Actions actions_;
     xr::HandTracking hands_;

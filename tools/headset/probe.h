@@ -16,6 +16,7 @@ struct HeadsetProbe {
     std::array<bool, xr::kHands> are_located{};       // whether the runtime knows where each controller is
     std::array<bool, xr::kHands> bare_hands{};        // whether its joints are seen
     std::vector<std::string> trackers;                // where worn ones are
+    std::string images;                               // the size and the format of a view's
     std::string floor;                                // how it is known
     std::vector<float> refresh_rates;                 // Hz; empty: the runtime does not say
     // Extensions that the runtime offers, and that do nothing with this headset.
