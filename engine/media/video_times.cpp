@@ -86,6 +86,9 @@ VideoTimes video_times(const std::filesystem::path& path) {
     VideoTimes result;
     result.shown_s = times_by_index(input);
     if (result.shown_s.empty()) result.shown_s = times_by_packets(input);
+    // A transport stream is cut out of a clock that runs on, which says nothing about other files.
+    if (input.context().iformat->flags & AVFMT_TS_DISCONT && !result.shown_s.empty())
+        for (const double first = result.shown_s[0]; double& time : result.shown_s) time -= first;
     result.fps = rate_of(result.shown_s);
     for (const AVRational named : {input.stream().r_frame_rate, input.stream().avg_frame_rate})
         if (named.num > 0 && named.den > 0 && (result.fps == 0 || std::abs(av_q2d(named) / result.fps - 1) < kSameRate))
