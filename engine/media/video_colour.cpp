@@ -16,9 +16,8 @@ namespace {
 
 constexpr double kWhite_nits = 203;     // BT.2408
 constexpr double kHlgPeak_nits = 1000;  // of the display that BT.2100 names for HLG
-constexpr float kHlgGamma = 1.2f;       // of that display
-constexpr float kHlgLuma[3] = {0.2627f, 0.6780f, 0.0593f};
-constexpr double kScreenGamma = 2.4;  // BT.1886, of the screens that BT.709 is made for
+constexpr double kHlgGamma = 1.2;       // of that display
+constexpr double kScreenGamma = 2.4;    // BT.1886, of the screens that BT.709 is made for
 constexpr float kMaxValue = 65535;
 
 // BT.2087, and the same of Display P3 (SMPTE EG 432-1).
@@ -30,10 +29,13 @@ const float* gamut_of(AVColorPrimaries primaries) {
     return primaries == AVCOL_PRI_BT2020 ? kFrom2020 : primaries == AVCOL_PRI_SMPTE432 ? kFromP3 : kSame;
 }
 
-// BT.2100: light of the scene, 0 to 1.
+// BT.2100: light of the scene, 0 to 1, and the gamma of the display. The gamma is taken channel by channel, as screens
+// of BT.709 have it and zimg does it, so that cameras of both kinds agree; BT.2100 takes it of the luminance, which is
+// paler.
 double hlg_light(double value) {
     const double a = 0.17883277, b = 1 - 4 * a, c = 0.5 - a * std::log(4 * a);
-    return value <= 0.5 ? value * value / 3 : (std::exp((value - c) / a) + b) / 12;
+    const double scene = value <= 0.5 ? value * value / 3 : (std::exp((value - c) / a) + b) / 12;
+    return kHlgPeak_nits / kWhite_nits * std::pow(scene, kHlgGamma);
 }
 
 // BT.2100: light of the display, where white is 1.
@@ -84,19 +86,14 @@ std::optional<VideoColour> VideoColour::of(AVColorTransferCharacteristic transfe
 }
 
 VideoColour::VideoColour(AVColorTransferCharacteristic transfer, AVColorPrimaries primaries)
-    : gamut_(gamut_of(primaries)), scene_light_(transfer == AVCOL_TRC_ARIB_STD_B67), light_(size_t{1} << 16) {
+    : gamut_(gamut_of(primaries)), light_(size_t{1} << 16) {
     for (size_t i = 0; i < light_.size(); ++i)
         light_[i] = static_cast<float>(light_of(transfer, static_cast<double>(i) / kMaxValue));
 }
 
 void VideoColour::to_srgb(const uint16_t* rgba, uint8_t* srgb, size_t pixels) const {
     for (const uint16_t* end = rgba + 4 * pixels; rgba != end; rgba += 4, srgb += 4) {
-        float light[3] = {light_[rgba[0]], light_[rgba[1]], light_[rgba[2]]};
-        if (scene_light_) {
-            const float luma = kHlgLuma[0] * light[0] + kHlgLuma[1] * light[1] + kHlgLuma[2] * light[2];
-            const float gain = static_cast<float>(kHlgPeak_nits / kWhite_nits) * std::pow(luma, kHlgGamma - 1);
-            for (float& channel : light) channel *= gain;
-        }
+        const float light[3] = {light_[rgba[0]], light_[rgba[1]], light_[rgba[2]]};
         for (size_t c = 0; c < 3; ++c)
             srgb[c] = byte_of(gamut_[3 * c] * light[0] + gamut_[3 * c + 1] * light[1] + gamut_[3 * c + 2] * light[2]);
         srgb[3] = static_cast<uint8_t>(rgba[3] >> 8);

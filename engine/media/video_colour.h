@@ -24,7 +24,6 @@ class VideoColour {
     VideoColour(AVColorTransferCharacteristic transfer, AVColorPrimaries primaries);
 
     const float* gamut_;        // 3×3, row by row: linear light of sRGB's primaries from that of the video's
-    bool scene_light_;          // of HLG, which a display's gamma makes the light that is shown
     std::vector<float> light_;  // of each of 65536 values
 };
 

@@ -185,12 +185,11 @@ std::array<double, 3> light2020(const std::array<int, 3>& bytes) {
     return wide;
 }
 
-// BT.2100: the signal of light relative to a white of 203 cd/m².
+// BT.2100: the signal of light relative to a white of 203 cd/m²; the display's gamma is taken of each channel.
 std::array<double, 3> hlg(const std::array<double, 3>& light) {
-    const double luma = (0.2627 * light[0] + 0.6780 * light[1] + 0.0593 * light[2]) * 0.203;
     std::array<double, 3> signal{};
     for (size_t c = 0; c < 3; ++c) {
-        const double scene = luma > 0 ? light[c] * 0.203 * std::pow(luma, (1 - 1.2) / 1.2) : 0;
+        const double scene = std::pow(light[c] * 0.203, 1 / 1.2);
         const double a = 0.17883277, b = 1 - 4 * a, k = 0.5 - a * std::log(4 * a);
         signal[c] = scene <= 1.0 / 12 ? std::sqrt(3 * scene) : a * std::log(12 * scene - b) + k;
     }
