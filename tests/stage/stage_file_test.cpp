@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
 #include "stage/gltf_container.h"
 #include "stage/stage.h"
 #include "support/input_error.h"
@@ -110,6 +111,20 @@ TEST_F(StageFiles, UrisNameFilesOnTheWayFromTheStage) {
     for (const char* uri :
          {"", "/etc/passwd", "%2fetc/passwd", "http://a/b.nvv", "file:a.nvv", "C:\\a.nvv", "a\\b.nvv", "a%00.nvv"})
         expect_input_error([&] { stage::file_of_uri(file, uri, "/nodes/0"); }, {"s.gltf", "/nodes/0", "../captures/"});
+}
+
+// File names are any bytes, JSON is UTF-8.
+TEST_F(StageFiles, UrisNameFilesWhoseNamesAreNoUtf8) {
+    for (const std::string name :
+         {"b\xff d.nvv", "\xed\xa0\x80.nvv", "\xc3", "\xc0\xaf", "\xf4\x90\x80\x80", "\xe2\x82"}) {
+        EXPECT_FALSE(is_utf8(name));
+        EXPECT_TRUE(is_utf8(stage::encoded_uri(name)));
+        EXPECT_EQ(stage::decoded_uri(stage::encoded_uri(name)), name);
+    }
+    for (const std::string name : {"Zoë.nvv", "舞.nvv", "\xf4\x8f\xbf\xbf"}) EXPECT_EQ(stage::encoded_uri(name), name);
+    stage::StageFile file = stage::make_stage_file(at("new.gltf"), R"({"asset":{"version":"2.0"}})");
+    file.json.edit("nodes") = {{{"name", "b\xff"}}};
+    expect_input_error([&] { stage::save_stage_file(file, at("new.gltf")); }, {"new.gltf", "not UTF-8"});
 }
 
 TEST_F(StageFiles, APerformerMayPlayWhatIsAtAnAddress) {
