@@ -150,7 +150,9 @@ void expect_there(const std::filesystem::path& file) {
 void prepare_images(const std::string& option, const media::ImageOutput& output, uint32_t first, uint32_t end) {
     if (output.kind != media::ImageOutput::Kind::kNumberedImages) return prepare_result(option, output.path);
     prepare_output_file(option, output.path);
-    for (uint32_t i = first; i < end; ++i) prepare_result(option, output.file(i));
+    std::error_code error;
+    for (uint32_t i = first; i < end; ++i)
+        if (std::filesystem::exists(output.file(i), error)) prepare_result(option, output.file(i));
 }
 
 }  // namespace neuvv::tools
