@@ -133,7 +133,7 @@ class SplatFrame : public ImportedFrame {
                             main.beyond, read_, interchange::place_of(*main.farthest), interchange::text_of(full_)));
         if (main.dense)
             notes_.push_back(
-                fmt::format("nine of ten splats lie in a small part of the clip's box; --box={} makes cells "
+                fmt::format("four of five splats lie in a small part of the clip's box; --box={} makes cells "
                             "{:.0f} times smaller",
                             interchange::text_of(*main.dense), main.box.longest_m() / main.dense->longest_m()));
         return main.box;

@@ -13,7 +13,8 @@ constexpr double kDeviations = 2;      // of a splat that count as inside a box
 constexpr size_t kFloatersOf = 50;     // splats that one may float among, at each end of an axis
 constexpr size_t kFewest = 10;         // splats among which one may float
 constexpr double kMarginOfMiddle = 2;  // sizes of the middle that splats may lie around it
-constexpr size_t kOutsideDense = 20;   // of so many splats, one is outside the dense box at each end of an axis
+constexpr size_t kOutsideDense = 10;   // of so many splats, one is outside the dense box at each end of an axis
+constexpr size_t kFewestOfDense = 4;
 constexpr double kDenseIsSmaller = 4;
 
 SplatBox extent_of(const Splat& splat) {
@@ -104,8 +105,10 @@ MainBox main_box_of(const Splats& splats) {
             main.farthest = each.splat;
         }
     }
-    const SplatBox dense = middle_of(seen, seen.size() / kOutsideDense);
-    if (seen.size() >= kOutsideDense && kDenseIsSmaller * dense.longest_m() < main.box.longest_m()) main.dense = dense;
+    if (seen.size() >= kFewestOfDense) {
+        const SplatBox dense = middle_of(seen, std::max<size_t>(seen.size() / kOutsideDense, 1));
+        if (kDenseIsSmaller * dense.longest_m() < main.box.longest_m()) main.dense = dense;
+    }
     return main;
 }
 

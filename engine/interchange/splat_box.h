@@ -22,7 +22,7 @@ struct MainBox {
     SplatBox box;
     size_t beyond = 0;                // how many splats reach beyond it
     const Splat* farthest = nullptr;  // of these, where there are any
-    // Around the middle 90 % of splats, where that is less than a quarter as large as `box`.
+    // Around the middle 80 % of splats, where that is less than a quarter as large as `box`.
     std::optional<SplatBox> dense;
 };
 MainBox main_box_of(const Splats& splats);

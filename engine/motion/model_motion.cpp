@@ -11,21 +11,33 @@ namespace {
 
 // Which joint of a skin moves a vertex most.
 uint32_t main_joint(const stage::GltfPrimitive& primitive, size_t vertex) {
-    const glm::vec4& weights = primitive.weights[vertex];
-    int most = 0;
-    for (int i = 1; i < 4; ++i)
-        if (weights[i] > weights[most]) most = i;
-    return primitive.joints[vertex][most];
+    float most = -1;
+    uint32_t joint = 0;
+    for (size_t set = vertex * primitive.joint_sets; set < (vertex + 1) * primitive.joint_sets; ++set)
+        for (int i = 0; i < 4; ++i)
+            if (primitive.weights[set][i] > most) {
+                most = primitive.weights[set][i];
+                joint = primitive.joints[set][i];
+            }
+    return joint;
 }
 
 // Puts the bones of a skin into their bind pose, each with the vertices that follow it.
 void bind_skin(const stage::GltfSkin& skin, const stage::GltfMesh& mesh, std::vector<RestBone>& bones) {
-    for (size_t j = 0; j < skin.joints.size(); ++j)
+    // A skin without matrices has its vertices in the spaces of their joints, and no pose but that of its nodes.
+    const bool has_bind_pose =
+        std::ranges::any_of(skin.inverse_binds, [](const glm::dmat4& m) { return m != glm::dmat4(1); });
+    for (size_t j = 0; j < skin.joints.size() && has_bind_pose; ++j)
         if (std::abs(glm::determinant(skin.inverse_binds[j])) > 1e-12)
             bones[skin.joints[j]].world_from_bone = glm::inverse(skin.inverse_binds[j]);
     for (const stage::GltfPrimitive& primitive : mesh.primitives)
-        for (size_t v = 0; v < primitive.joints.size(); ++v)
-            bones[skin.joints[main_joint(primitive, v)]].skin.emplace_back(primitive.positions[v]);
+        for (size_t v = 0; v < primitive.positions.size() && !primitive.joints.empty(); ++v) {
+            const uint32_t joint = main_joint(primitive, v);
+            const glm::dvec3 position(primitive.positions[v]);
+            RestBone& bone = bones[skin.joints[joint]];
+            bone.skin.emplace_back(has_bind_pose ? position
+                                                 : glm::dvec3(bone.world_from_bone * glm::dvec4(position, 1)));
+        }
 }
 
 // The nodes as bones: in the bind pose where a skin has them, else where the file puts them.

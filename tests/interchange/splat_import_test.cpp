@@ -329,6 +329,10 @@ TEST(SplatBox, TellsWhereMostSplatsAre) {
     EXPECT_GT(main.box.longest_m(), 60);
     ASSERT_TRUE(main.dense);
     EXPECT_LT(main.dense->longest_m(), 5);
+    const interchange::MainBox of_few = interchange::main_box_of(cloud(9, {{9e5f, 0, 0}}));
+    EXPECT_GT(of_few.box.longest_m(), 8e5);
+    ASSERT_TRUE(of_few.dense);
+    EXPECT_LT(of_few.dense->longest_m(), 5);
 }
 
 TEST(Voxelise, NamesTheSplatThatIsTooFarAway) {

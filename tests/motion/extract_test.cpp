@@ -133,5 +133,30 @@ TEST(Extract, RefusesKeyPointsWithoutABody) {
     expect_input_error([&] { extract(seen); }, {"no frame shows a leg and a trunk"});
 }
 
+// A model whose vertices follow up to eight joints, of which the first four have no weight, has the same skeleton.
+TEST(ModelMotion, SeesAllJointsOfAVertex) {
+    stage::GltfScene scene = stage::load_gltf(NEUVV_SOURCE_DIR "/tools/performer/performer.glb");
+    const motion::SkeletonClip expected = test::motion_of(scene, 2);
+    std::vector<stage::GltfMesh> meshes(scene.meshes.begin(), scene.meshes.end());
+    for (stage::GltfMesh& mesh : meshes)
+        for (stage::GltfPrimitive& primitive : mesh.primitives) {
+            if (primitive.joints.empty()) continue;
+            std::vector<glm::u16vec4> joints;
+            std::vector<glm::vec4> weights;
+            for (size_t v = 0; v < primitive.positions.size(); ++v) {
+                joints.insert(joints.end(), {glm::u16vec4(0), primitive.joints[v]});
+                weights.insert(weights.end(), {glm::vec4(0), primitive.weights[v]});
+            }
+            primitive.joints = std::move(joints);
+            primitive.weights = std::move(weights);
+            primitive.joint_sets = 2;
+        }
+    scene.meshes = std::move(meshes);
+    const motion::SkeletonClip seen = test::motion_of(scene, 2);
+    for (size_t f = 0; f < expected.frames.size(); ++f)
+        for (size_t j = 0; j < expected.frames[f].size(); ++j)
+            EXPECT_EQ(seen.frames[f][j].position, expected.frames[f][j].position);
+}
+
 }  // namespace
 }  // namespace neuvv
