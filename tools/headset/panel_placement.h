@@ -37,7 +37,7 @@ struct PlacedBox {
 // right for `left_handed` users, out of the way of the ray of the hand that points.
 //
 // `aside_rad` is more for somebody who should be seen whole, such as a trainer: kTrainerAside_rad.
-constexpr double kPanelAside_rad = glm::radians(18.25), kTrainerAside_rad = glm::radians(35.0),
+constexpr double kPanelAside_rad = glm::radians(18.25), kTrainerAside_rad = glm::radians(36.0),
                  kPanelWidth_rad = glm::radians(32.0), kMinPanelWidth_rad = glm::radians(26.5);
 // From the head to the panel's middle: where eyes accommodate in most headsets, and within reach of both hands' rays.
 constexpr double kPanelAway_m = 1.1;
