@@ -81,6 +81,16 @@ std::string unfinished_text(const Piece& piece) {
                : fmt::format("{} is half trained ({}): the part has it as it is now", file.string(), unfinished);
 }
 
+// Clips that stand elsewhere in their captures would jump where one follows the other.
+void expect_one_frame(const std::vector<Piece>& pieces) {
+    const voctree::WorldFrame first = voctree::read_world_frame(pieces.at(0).source.file);
+    for (const Piece& piece : pieces)
+        if (voctree::read_world_frame(piece.source.file) != first)
+            throw InputError(piece.source.file.string(), "",
+                             "has another origin or unit in its capture than the clip before it",
+                             "`neuvv info` says which; put clips of several captures on a stage");
+}
+
 // Writes the pieces as one clip: as a file where there is only one, else in segments.
 void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& output) {
     for (const Piece& piece : pieces) {  // before anything is written
@@ -90,6 +100,7 @@ void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& 
                              "train the clip to its end: the command that began it, with --resume");
         if (!voctree::is_plenoctree(piece.source.file)) voctree::read_segment_head(piece.source);
     }
+    expect_one_frame(pieces);
     catch_stop_signals();
     const UnfinishedClip clip(output);
     voctree::ClipIndex index{fps, {}};

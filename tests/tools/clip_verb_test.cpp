@@ -9,6 +9,7 @@
 #include "tests/tools/run_neuvv.h"
 #include "training/claim.h"
 #include "voctree/clip.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv {
 namespace {
@@ -41,6 +42,17 @@ TEST_F(ClipVerb, APartOfAFileIsAFile) {
     const voctree::VOctree read = voctree::read_nvv(file("a.nvv"));
     EXPECT_EQ(read.weights, voctree::frames_of(tree, 1, 3).weights);
     EXPECT_EQ(read.fps, 2);
+}
+
+TEST_F(ClipVerb, APartStandsWhereTheClipDoes) {
+    const voctree::WorldFrame frame{{512350, 410, -5403210}, 1};
+    const voctree::ChunkOfFrame chunk(frame);
+    voctree::write_nvv(whole, tree, chunk.views());
+    run({"clip", "cut", whole, "-o", file("a.nvv"), "--from", "1", "--to", "2s"}, "3 frames in 1 segment");
+    EXPECT_EQ(voctree::read_world_frame(file("a.nvv")), frame);
+    expect_refused({"clip", "join", whole, parts, "-o", file("b.nvv")}, 2, {"000000.nvv", "another origin or unit"});
+    const ProgramResult info = run_neuvv({"info", whole});
+    EXPECT_NE(info.out.find("capture (512350, 410, -5403210) is the clip's origin"), std::string::npos) << info.out;
 }
 
 TEST_F(ClipVerb, WholeSegmentsAreCopied) {
