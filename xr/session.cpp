@@ -174,7 +174,9 @@ SessionStatus Session::poll(SessionEvents& events) {
                 break;  // such as refresh rates, which show in times; and unused extensions
         }
     }
-    if (const bool has_focus = state_ == XR_SESSION_STATE_FOCUSED; has_focus != had_focus) events.has_focus = has_focus;
+    // A session that ends loses the input, too, but nobody will see that the stage pauses.
+    const bool has_focus = state_ == XR_SESSION_STATE_FOCUSED;
+    if (running_ && has_focus != had_focus) events.has_focus = has_focus;
     if (lost_) return SessionStatus::kLost;
     if (ended_) return SessionStatus::kEnded;
     return running_ ? SessionStatus::kRunning : SessionStatus::kIdle;
