@@ -137,8 +137,8 @@ Imported import_frames(const FrameImportOptions& options, const CommonOptions& c
         if (tree.leaf_count == 0) {
             const EmptyFrame reason = frame->why_empty();
             if (empty.problem.empty()) empty = reason;
-            if (files.size() > 1)
-                imported.notes.add(files[i].string(), "the frame shows nothing: it " + reason.problem);
+            if (files.size() == 1) throw InputError(options.input, "", empty.problem, empty.fix);
+            imported.notes.add(files[i].string(), "the frame shows nothing: it " + reason.problem);
         }
         const std::filesystem::path file = clip.folder() / voctree::segment_file_name(i);
         voctree::write_nvv(file, tree, {}, 9, voctree::coarse_tree(tree));

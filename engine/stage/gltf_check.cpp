@@ -21,7 +21,7 @@ namespace {
 using Json = nlohmann::json;
 
 // tinygltf silently uses a default where a member has the wrong type, and says little of one that is missing.
-enum class Member { kIndex, kSize, kNumber, kNumbers, kText, kObject, kList };
+enum class Member { kIndex, kIndices, kSize, kNumber, kNumbers, kText, kObject, kList };
 constexpr bool kNeeded = true;
 // A member of the objects at a path, in which * stands for each element of a list.
 struct MemberRule {
@@ -83,15 +83,15 @@ constexpr MemberRule kRules[] = {
     {"nodes/*", "camera", Member::kIndex},
     {"nodes/*", "mesh", Member::kIndex},
     {"nodes/*", "skin", Member::kIndex},
-    {"nodes/*", "children", Member::kNumbers},
+    {"nodes/*", "children", Member::kIndices},
     {"nodes/*", "matrix", Member::kNumbers},
     {"nodes/*", "translation", Member::kNumbers},
     {"nodes/*", "rotation", Member::kNumbers},
     {"nodes/*", "scale", Member::kNumbers},
     {"nodes/*", "weights", Member::kNumbers},
     {"skins/*", "inverseBindMatrices", Member::kIndex},
-    {"skins/*", "joints", Member::kNumbers, kNeeded},
-    {"scenes/*", "nodes", Member::kNumbers},
+    {"skins/*", "joints", Member::kIndices, kNeeded},
+    {"scenes/*", "nodes", Member::kIndices},
     {"textures/*", "source", Member::kIndex},
     {"textures/*", "sampler", Member::kIndex},
     {"samplers/*", "wrapS", Member::kIndex},
@@ -123,6 +123,11 @@ std::string type_problem(const Json& value, Member kind) {
     switch (kind) {
         case Member::kIndex:
             if (!is_unsigned || value.get<uint64_t>() > INT32_MAX) return "is not an index (a whole number from 0)";
+            break;
+        case Member::kIndices:
+            if (!value.is_array()) return "is not a list of indices";
+            for (const Json& item : value)
+                if (!type_problem(item, Member::kIndex).empty()) return "is not a list of indices";
             break;
         case Member::kSize:
             if (!is_unsigned || value.get<uint64_t>() > kMaxStageBytes)
