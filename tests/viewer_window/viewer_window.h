@@ -64,7 +64,8 @@ struct ViewerWindow : testing::Test {
     media::Image rendered(const media::Image& as, const std::vector<std::string>& more = {}) const {
         std::vector<std::string> arguments{"render", stage,
                                            "-o",     file("rendered.png"),
-                                           "--size", std::to_string(as.width) + "x" + std::to_string(as.height)};
+                                           "--size", std::to_string(as.width) + "x" + std::to_string(as.height),
+                                           "--overwrite"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         done(arguments);
         return media::read_png(file("rendered.png"));
