@@ -244,6 +244,7 @@ std::optional<Pose> Session::locate(XrSpace space, XrTime time) const {
 }
 
 std::optional<glm::dvec2> Session::play_area() const {
+    if (tracking_type_ != XR_REFERENCE_SPACE_TYPE_STAGE) return std::nullopt;  // the runtime has no STAGE
     XrExtent2Df sides{};
     const XrResult result = xrGetReferenceSpaceBoundsRect(handle(), XR_REFERENCE_SPACE_TYPE_STAGE, &sides);
     const bool is_known = succeeded(result, "xrGetReferenceSpaceBoundsRect", runtime_.headset()) &&
