@@ -59,13 +59,16 @@ class JsonReader : public PacketReader {
   public:
     explicit JsonReader(std::string name) : name_(std::move(name)) {}
     bool read(std::span<const uint8_t> packet, uint16_t, double now_s, PoseStream& stream) override {
-        stream.add(read_pose_line({packet.begin(), packet.end()}, name_), now_s);
-        return true;
+        const TimedPose pose = read_pose_line({packet.begin(), packet.end()}, name_);
+        has_body_ = has_body_ || std::ranges::any_of(pose.pose, [](const auto& joint) { return joint.confidence > 0; });
+        if (has_body_) stream.add(pose, now_s);  // later, nobody may be seen
+        return has_body_;
     }
     bool end(double, PoseStream&) override { return false; }
 
   private:
     std::string name_;
+    bool has_body_ = false;
 };
 
 using MakeReader = std::unique_ptr<PacketReader> (*)(const std::string& name);

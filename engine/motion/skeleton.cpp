@@ -43,24 +43,26 @@ Pose pose_at(const SkeletonClip& clip, double frame) {
 
 namespace {
 
-// How far the legs and the head reach to the front of the body, as hips and trunk say where that is, in lengths of
-// the trunk; 0 where the trunk is not known.
+// How far knees and feet are in front of the legs, and the nose in front of the trunk, as the sides across and up along
+// each say where that is, in lengths of the trunk; 0 where that is not known. It is the same in all postures.
 double reach_forwards(const Pose& pose) {
     using enum Joint;
     const auto known = [&](Joint joint) { return at(pose, joint).confidence > 0 && at(pose, joint).measured; };
-    const auto place = [&](Joint joint) { return at(pose, joint).position; };
+    const auto from = [&](Joint begin, Joint end) { return at(pose, end).position - at(pose, begin).position; };
+    const auto ahead = [](const glm::dvec3& across, const glm::dvec3& up, const glm::dvec3& reach) {
+        const glm::dvec3 front = glm::cross(across, up);
+        return glm::length(front) > 0 ? glm::dot(reach, glm::normalize(front)) : 0;
+    };
     if (!known(kLeftHip) || !known(kRightHip) || !known(kPelvis) || !known(kNeck)) return 0;
-    const glm::dvec3 up = place(kNeck) - place(kPelvis), front = glm::cross(place(kLeftHip) - place(kRightHip), up);
-    if (!(glm::length(front) > 0)) return 0;
-    glm::dvec3 reach(0);
-    if (known(kNose)) reach += place(kNose) - place(kNeck);
+    const glm::dvec3 hips = from(kRightHip, kLeftHip), trunk = from(kPelvis, kNeck);
+    double reach = known(kNose) ? ahead(hips, trunk, from(kNeck, kNose)) : 0;
     for (const auto& [hip, knee, ankle, toe] : {std::array{kLeftHip, kLeftKnee, kLeftAnkle, kLeftBigToe},
                                                 std::array{kRightHip, kRightKnee, kRightAnkle, kRightBigToe}}) {
-        if (!known(hip) || !known(knee) || !known(ankle)) continue;
-        reach += place(knee) - 0.5 * (place(hip) + place(ankle));
-        if (known(toe)) reach += place(toe) - place(ankle);
+        if (!known(knee) || !known(ankle)) continue;
+        reach += ahead(hips, from(ankle, hip), 0.5 * (from(hip, knee) + from(ankle, knee)));
+        if (known(toe)) reach += ahead(hips, from(ankle, knee), from(ankle, toe));
     }
-    return glm::dot(reach, glm::normalize(front)) / glm::length(up);
+    return glm::length(trunk) > 0 ? reach / glm::length(trunk) : 0;
 }
 
 }  // namespace

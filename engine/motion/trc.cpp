@@ -79,8 +79,11 @@ TrcHead read_head_lines(Words& words) {
     }
     if (!(head.fps >= 1e-3 && head.fps <= 1e4)) words.fail("has no DataRate in frames a second");
     const std::vector<std::string> markers = fields();
+    // A name stands above its x, and two empty fields follow; some programs leave these out.
+    bool dense = false;
+    for (size_t i = 2; i < markers.size(); ++i) dense |= (i - 2) % 3 != 0 && !markers[i].empty();
     std::vector<std::string> names;
-    for (size_t i = 2; i < markers.size(); i += 3) names.push_back(markers[i]);
+    for (size_t i = 2; i < markers.size(); i += dense ? 1 : 3) names.push_back(markers[i]);
     head.joints = joints_of_markers(names);
     fields();
     return head;

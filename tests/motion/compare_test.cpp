@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
 #include "motion/best_view.h"
@@ -225,6 +226,17 @@ TEST(Compare, RefusesExchangedSides) {
     expect_input_error([&] { motion::compare(trainer(), exchanged); }, {"TRAINEE", "left and right exchanged"});
     expect_input_error([&] { motion::compare(exchanged, trainer()); }, {"TRAINER", "left and right exchanged"});
     for (const motion::SkeletonClip& clip : trainers()) EXPECT_FALSE(motion::faces_backwards(another(clip)));
+    // Nor is somebody turned about who bends forwards until the head hangs.
+    motion::SkeletonClip bent = trainer();
+    for (motion::Pose& pose : bent.frames) {
+        const glm::dvec3 pelvis = motion::at(pose, motion::Joint::kPelvis).position;
+        const glm::dvec3 hips =
+            motion::at(pose, motion::Joint::kLeftHip).position - motion::at(pose, motion::Joint::kRightHip).position;
+        const glm::dquat bend = glm::angleAxis(glm::radians(130.0), glm::normalize(hips));
+        for (size_t j = motion::index_of(motion::Joint::kNeck); j < motion::index_of(motion::Joint::kRightHip); ++j)
+            pose[j].position = pelvis + bend * (pose[j].position - pelvis);
+    }
+    EXPECT_FALSE(motion::faces_backwards(bent));
 }
 
 TEST(Compare, ErrorsAreThoseOfTheFormulas) {
