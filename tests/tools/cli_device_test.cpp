@@ -278,6 +278,7 @@ TEST_F(CliDevice, TrainingGoesOnOnADeviceThatIsMadeAnew) {
         EXPECT_NE(once.err.find("device lost; the device is made anew"), std::string::npos) << once.err;
         EXPECT_NE(once.out.find("wrote"), std::string::npos) << once.out;
         std::filesystem::remove_all(file("lost.nvv"));
+        std::filesystem::remove(file("lost.nvv.state"));
         const ProgramResult twice = train(2, segments);
         EXPECT_EQ(twice.code, 1) << twice.err;
         const std::regex line("neuvv: .*lost.nvv: .*device lost; .*--device; --resume goes on .*\n");
