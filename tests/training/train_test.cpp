@@ -322,12 +322,13 @@ TEST_F(KilledRun, CtrlCSavesAndExitsWell) {
 // What batch systems send before the time is up, and a terminal that is closed.
 TEST_F(KilledRun, TheSignalsOfBatchSystemsSaveToo) {
     for (const int signal : {SIGUSR1, SIGHUP}) {
+        std::filesystem::remove(nvv_);
+        std::filesystem::remove(training::state_path(nvv_));
         ChildProcess child(command(10000000, false), log_);
         ASSERT_TRUE(child.until([&] { return std::filesystem::exists(nvv_); })) << read_text(log_);
         child.send(signal);
         EXPECT_EQ(child.wait(), 0) << read_text(log_);
         EXPECT_NE(read_text(log_).find("interrupted"), std::string::npos) << read_text(log_);
-        std::filesystem::remove(nvv_);
     }
     expect_resumes();
 }
