@@ -314,7 +314,7 @@ TEST_F(CliSegments, CorrectionsOfTheRigAreFoundOnce) {
     ASSERT_EQ(run.code, 0) << run.err;
     const auto correction = training::read_rig_correction(show);
     ASSERT_TRUE(correction);
-    EXPECT_EQ(correction->cameras, (std::vector<std::string>{"0", "1"}));
+    EXPECT_EQ(correction->cameras, (std::vector<std::string>{"c00", "c01"}));
     ASSERT_EQ(correction->changes.poses.size(), 2u);
     EXPECT_NE(correction->changes.poses[0], training::PoseChange{});
     EXPECT_TRUE(correction->changes.frames_late.empty());
