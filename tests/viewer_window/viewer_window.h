@@ -62,9 +62,9 @@ struct ViewerWindow : testing::Test {
     }
     // The image that `neuvv render` makes of the stage through its camera, as large as `as`.
     media::Image rendered(const media::Image& as, const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> arguments{"render", stage,
-                                           "-o",     file("rendered.png"),
-                                           "--size", std::to_string(as.width) + "x" + std::to_string(as.height),
+        std::vector<std::string> arguments{"render",     stage,
+                                           "-o",         file("rendered.png"),
+                                           "--size",     std::to_string(as.width) + "x" + std::to_string(as.height),
                                            "--overwrite"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         done(arguments);
