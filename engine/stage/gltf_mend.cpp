@@ -112,10 +112,11 @@ void mend_indices(Json& root, MendedGltf& mended) {
 }
 
 // Members that hold an index or a size, lists of indices, and objects of them.
-constexpr std::array<const char*, 26> kWhole = {
-    "buffer",  "bufferView", "byteLength", "byteOffset", "byteStride", "camera",   "componentType", "count", "index",
-    "indices", "input",      "light",      "magFilter",  "material",   "mesh",     "minFilter",     "mode",  "node",
-    "output",  "sampler",    "scene",      "skin",       "source",     "texCoord", "wrapS",         "wrapT"};
+constexpr std::array<const char*, 29> kWhole = {
+    "buffer", "bufferView", "byteLength", "byteOffset", "byteStride", "camera",   "componentType", "count",
+    "index",  "indices",    "input",      "light",      "magFilter",  "material", "mesh",          "minFilter",
+    "mode",   "node",       "output",     "sampler",    "scene",      "skin",     "source",        "texCoord",
+    "NORMAL", "POSITION",   "TANGENT",    "wrapS",      "wrapT"};
 constexpr std::array<const char*, 4> kWholeInside = {"attributes", "children", "joints", "nodes"};
 
 bool is_one_of(std::span<const char* const> names, const std::string& name) {

@@ -360,6 +360,7 @@ TEST(GltfScene, ReadsWhatTinygltfRefuses) {
 TEST(GltfScene, WholeNumbersMayHaveAPoint) {
     const stage::GltfScene truth = scene_of(arm());
     GlbBuilder glb = arm();
+    primitive(glb)["targets"] = {{{"POSITION", 0}}};
     const std::function<void(json&)> add_points = [&](json& value) {
         if (value.is_number_integer()) value = value.get<double>();
         if (value.is_structured())
