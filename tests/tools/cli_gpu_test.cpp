@@ -258,7 +258,7 @@ TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
     EXPECT_NE(beyond.err.find("scene.nvv: the finest steps show"), std::string::npos) << beyond.err;
     expect_refused({"convert", scene, "-o", file("small.nvv"), "--quality", "nan"}, 2, {"--quality"});
     expect_refused({"convert", file("none.nvv"), "-o", file("small.nvv")}, 2, {"none.nvv"});
-    expect_refused({"convert", scene, "-o", scene}, 2, {"--output", "is the scene itself"});
+    expect_refused({"convert", scene, "-o", scene}, 2, {"--output", "is what scene names"});
     EXPECT_FALSE(std::filesystem::exists(file("small.nvv")));
 }
 
