@@ -85,7 +85,8 @@ void remove_if_abandoned(const std::filesystem::path& file) {
 // Once a process for each folder, as reading a folder of many images takes long.
 void remove_abandoned(const std::filesystem::path& folder) {
     static std::mutex mutex;
-    static std::set<std::filesystem::path> looked_into;
+    // It lives as long as the process: other objects with static storage write files when they end.
+    static auto& looked_into = *new std::set<std::filesystem::path>;
     std::error_code error;
     {
         const std::lock_guard guard(mutex);
