@@ -19,7 +19,7 @@ TEST_F(CliGpu, EveryOptionOfTrainIsTaken) {
     const Words small = {"--resolution", "32", "--bases", "2", "--hh-degree", "1"};
     const std::vector<std::pair<std::string, Words>> runs = {
         {"one.nvv", {"--steps",        "3",           "--max-leaves",    "100000",        "--max-memory",  "20",
-                     "--seed",         "5",           "--image-memory",  "0.5",           "--format",      "transforms",
+                     "--seed",         "5",           "--image-memory",  "0.5",           "--format",      "nerf",
                      "--preview",      file("p.png"), "--metrics",       file("m.jsonl"), "--lambda-grad", "0.2",
                      "--lambda-point", "0.1",         "--lambda-smooth", "0.001",         "--refine",      "colour",
                      "--leave-out",    "rays,bound",  "--audio",         file("tone.wav")}},
