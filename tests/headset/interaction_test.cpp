@@ -327,7 +327,7 @@ struct TeleportTest : InteractionTest {
             (far ? high : low) = middle;
         }
     }
-    void teleport(glm::dvec3 floor_point, std::vector<glm::dvec2> sticks = {{0, 1}}) {
+    void teleport(glm::dvec3 floor_point, const std::vector<glm::dvec2>& sticks = {{0, 1}}) {
         aim_at(floor_point);
         for (const glm::dvec2& stick : sticks) {
             inputs[xr::kLeft].stick = stick;

@@ -14,14 +14,14 @@ namespace {
 
 using motion::Axis;
 
-const motion::SkeletonClip& dancer() {
+const motion::SkeletonClip& standing_dancer() {
     static const motion::SkeletonClip clip = test::performer_motion(30);
     return clip;
 }
 
 // The dancer in a space whose axes are these of ours.
 motion::SkeletonClip in_space(const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z, double units = 1) {
-    motion::SkeletonClip clip = dancer();
+    motion::SkeletonClip clip = standing_dancer();
     for (motion::Pose& pose : clip.frames)
         for (motion::JointSample& sample : pose) {
             const glm::dvec3 p = units * sample.position;
@@ -33,7 +33,7 @@ motion::SkeletonClip in_space(const glm::dvec3& x, const glm::dvec3& y, const gl
 void expect_dancer(const motion::SkeletonClip& clip, double scale = 1) {
     for (size_t f = 0; f < clip.frames.size(); ++f)
         for (size_t j = 0; j < motion::kJoints; ++j)
-            test::expect_near(clip.frames[f][j].position, scale * dancer().frames[f][j].position, 1e-9);
+            test::expect_near(clip.frames[f][j].position, scale * standing_dancer().frames[f][j].position, 1e-9);
 }
 
 const glm::dvec3 kX(1, 0, 0), kY(0, 1, 0), kZ(0, 0, 1);
@@ -71,7 +71,7 @@ TEST(SkeletonSpace, ABodyIsStoodUp) {
 // Who stands for a while and then lies is not turned, whichever way the head lies.
 TEST(SkeletonSpace, WhoLiesDownIsLeftLying) {
     motion::SkeletonClip clip = in_space(kX, -kZ, kY);
-    for (size_t f = 0; f < 8; ++f) clip.frames[f] = dancer().frames[f];
+    for (size_t f = 0; f < 8; ++f) clip.frames[f] = standing_dancer().frames[f];
     EXPECT_EQ(motion::standing_axis(clip), Axis::kY);
 }
 
@@ -88,8 +88,8 @@ TEST(SkeletonSpace, UnitsAreTheLikeliest) {
 
 TEST(SkeletonSpace, AChildKeepsItsSize) {
     const TemporaryFolder folder;
-    const double scale = 1 / test::height_of(dancer());
-    const motion::SkeletonClip child = test::other_body(dancer(), scale, {}, 0);
+    const double scale = 1 / test::height_of(standing_dancer());
+    const motion::SkeletonClip child = test::other_body(standing_dancer(), scale, {}, 0);
     motion::write_bvh(folder.path / "child.bvh", child, 100);
     const motion::SkeletonClip read = motion::read_skeleton(folder.path / "child.bvh");
     EXPECT_NEAR(test::height_of(read), 1, 0.01);
@@ -106,7 +106,7 @@ TEST(SkeletonSpace, AChildKeepsItsSize) {
 }
 
 TEST(SkeletonSpace, ExchangedSidesAreSaid) {
-    motion::SkeletonClip clip = dancer();
+    motion::SkeletonClip clip = standing_dancer();
     for (motion::Pose& pose : clip.frames)
         for (motion::JointSample& sample : pose) sample.position.x *= -1;
     motion::bring_to_metres({.unit_m = 1}, "a", clip);

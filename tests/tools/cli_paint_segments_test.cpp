@@ -115,13 +115,15 @@ TEST_F(PaintedSegments, PaintIsAFolder) {
 
     // A damaged part costs the paint of its segment alone on a stage, and is named.
     write_text(layer + "/000001.nvpaint", "no paint");
-    expect_refused({"render", parts, "-o", file("x.png"), "--paint", layer, "--frames", "2"}, 2, {"000001.nvpaint"});
+    expect_refused({"render", "--overwrite", parts, "-o", file("x.png"), "--paint", layer, "--frames", "2"}, 2,
+                   {"000001.nvpaint"});
     expect_refused({"paint", "info", parts, layer}, 2, {"000001.nvpaint"});
     const ProgramResult shown =
         run_neuvv({"render", "--overwrite", show, "-o", file("x.png"), "--size", "16x16", "--time", "1"});
     EXPECT_EQ(shown.code, 0) << shown.err;
     EXPECT_NE(shown.err.find("000001.nvpaint"), std::string::npos) << shown.err;
-    expect_refused({"render", parts, "-o", file("x.png"), "--paint", scene}, 2, {"scene.nvv", "is a folder"});
+    expect_refused({"render", "--overwrite", parts, "-o", file("x.png"), "--paint", scene}, 2,
+                   {"scene.nvv", "is a folder"});
     expect_refused({"paint", "erase", parts, scene, "--box", "-9,-9,-9,9,9,9"}, 2, {"scene.nvv"});
     expect_refused({"paint", "erase", scene, layer, "--box", "-9,-9,-9,9,9,9"}, 2, {"look.nvpaint", "folder"});
 }

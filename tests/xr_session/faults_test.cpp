@@ -101,7 +101,7 @@ TEST_F(Faults, ImagesThatOverlapAreTheSameAndOutliveLosses) {
     const std::string trace = folder.path / "trace.json";
     const auto run_with = [&](const char* overlap, const XrScript& with) {
         const EnvironmentValue environment("NEUVV_OVERLAP", overlap);
-        return run(with, {"--trace", trace});
+        return run(with, {"--trace", trace, "--overwrite"});
     };
     const XrRun waiting = run_with("0", script);
     expect_clean(waiting);

@@ -1,4 +1,6 @@
 // Watching: what both eyes see, and where the user stands.
+#include <fmt/format.h>
+
 #include <future>
 
 #include "edit/operations.h"

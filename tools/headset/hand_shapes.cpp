@@ -157,11 +157,12 @@ void draw_contact_shadows(xr::EyeShapes& shapes, const HeadsetState& state) {
         const double above_m = std::abs(above_floor(world, low, high, state.floor_m));
         const auto alpha = static_cast<float>(kDarkness * performer.opacity * std::exp(-above_m / kFades_m));
         if (!(alpha > 0.01f)) continue;
-        glm::dvec3 middle = world * glm::dvec4(0.5 * (low + high), 1);
+        const glm::dvec3 size = high - low;
+        glm::dvec3 middle = world * glm::dvec4(low + 0.5 * size, 1);
         middle.y = state.floor_m;
         const auto half = [&](int axis) {
             const glm::dvec3 along(world[axis].x, 0, world[axis].z);
-            return 0.5 * kWider * (high[axis] - low[axis]) * along;
+            return 0.5 * kWider * size[axis] * along;
         };
         shapes.ellipse(middle, half(0), half(2), {0, 0, 0, alpha}, {0, 0, 0, 0});
     }

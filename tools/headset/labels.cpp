@@ -15,7 +15,7 @@ constexpr double kNearer = 0.88;  // of the dot's distance, so that no body besi
 
 constexpr double kHintLine_rad = glm::radians(1.2), kHintAside_m = 0.11, kHintAbove_m = 0.02;
 // Where the plate of a hand is that is out of view: so far below the middle of the view and beside it.
-constexpr double kInView_rad = glm::radians(24.0), kHintDown_rad = glm::radians(16.0),
+constexpr double kHintInView_rad = glm::radians(24.0), kHintDown_rad = glm::radians(16.0),
                  kHintSide_rad = glm::radians(17.0), kHintAway_m = 1;
 constexpr double kStatusDown_rad = glm::radians(21.0);
 
@@ -91,7 +91,7 @@ xr::Pose hint_plate(const Hand& hand, const xr::Pose& world_head, double outward
     const double distance_m = glm::distance(grip.position, world_head.position);
     const glm::dvec3 towards = (grip.position - world_head.position) / distance_m;
     const double away_rad = std::acos(glm::clamp(glm::dot(towards, xr::forward_of(world_head)), -1.0, 1.0));
-    if (!is_new || away_rad < kInView_rad) {
+    if (!is_new || away_rad < kHintInView_rad) {
         const glm::dquat facing = upright_towards(towards);
         return {grip.position + facing * glm::dvec3(outwards * kHintAside_m, kHintAbove_m, 0), facing};
     }

@@ -9,7 +9,7 @@ namespace neuvv::headset {
 
 namespace {
 
-constexpr double kAway_m = 0.8, kLine_rad = glm::radians(1.3);
+constexpr double kAway_m = 0.8, kPlateLine_rad = glm::radians(1.3);
 constexpr double kBelow_rad = glm::radians(14.0), kLag_rad = glm::radians(8.0);
 constexpr double kKept_s = 2;
 constexpr double kPanelInView_rad = glm::radians(28.0);
@@ -74,7 +74,7 @@ void NoticePlate::update(const xr::Pose& world_head, const std::optional<PanelPl
 }
 
 double NoticePlate::line_m() const {
-    return kAway_m * kLine_rad;
+    return kAway_m * kPlateLine_rad;
 }
 
 }  // namespace neuvv::headset

@@ -46,9 +46,10 @@ void clip_speed_row(Rows& rows) {
 void view_row(Rows& rows) {
     Training& training = rows.training;
     coach::CoachSettings& settings = training.settings;
-    const std::vector<float> widths = fitted_widths({ICON_LOOP " Again", "Show me", "Mirrored", "Ghost", "Arrows"});
+    constexpr const char* kAgain = ICON_LOOP " Again";
+    const std::vector<float> widths = fitted_widths({kAgain, "Show me", "Mirrored", "Ghost", "Arrows"});
     ImGui::BeginDisabled(!training.is_running() || !training.session().coach().last_mistake_s());
-    if (rows.button("again", ICON_LOOP " Again", widths[0])) training.repeat_mistake(rows.state);
+    if (rows.button("again", kAgain, widths[0])) training.repeat_mistake(rows.state);
     ImGui::EndDisabled();
     ImGui::SameLine();
     ImGui::BeginDisabled(!training.session().best_view());

@@ -30,7 +30,7 @@ std::vector<int64_t> counted(int64_t count, int64_t first = 0) {
 
 std::string said(const ClipTimes& clip) {
     std::string text;
-    for (const auto& [name, what] : clip.texts) text += name + ": " + what + "\n";
+    for (const auto& [name, what] : clip.texts) text.append(name).append(": ").append(what).append("\n");
     for (const std::string& remark : clip.remarks) text += remark + "\n";
     return text;
 }
