@@ -24,7 +24,7 @@ TEST_F(CliGpu, EveryOptionOfTrainIsTaken) {
                      "--lambda-point", "0.1",         "--lambda-smooth", "0.001",         "--refine",      "colour",
                      "--leave-out",    "rays,bound",  "--audio",         file("tone.wav")}},
         {"one.nvv", {"--steps", "4", "--resume"}},
-        {"psi.nvv", {"--steps", "2", "--init", "psi", "--psi-steps", "1", "--uniform", "--holdout", "1"}},
+        {"psi.nvv", {"--steps", "2", "--init", "psi", "--psi-steps", "1", "--uniform", "--holdout", "0"}},
         {"brief.nvv", {"--minutes", "0.01", "--init", "psi", "--psi-minutes", "0.01", "--max-memory", "0.1"}},
         {"parts.nvv", {"--steps", "4", "--segment", "2", "--plan"}},
         {"parts.nvv", {"--steps", "4", "--resume"}},
