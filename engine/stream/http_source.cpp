@@ -56,14 +56,14 @@ std::string text_of(CURLcode code, const std::string& text) {
         case CURLE_WEIRD_SERVER_REPLY:
             return "what answers there is no web server";
         case CURLE_TOO_MANY_REDIRECTS:
-            return "the server sends on from one address to the next";
+            return "the server redirects from one address to the next";
         case CURLE_GOT_NOTHING:
         case CURLE_PARTIAL_FILE:
         case CURLE_RECV_ERROR:
         case CURLE_SEND_ERROR:
             return "the server broke off";
         case CURLE_PEER_FAILED_VERIFICATION:
-            return "nobody whom this machine trusts vouches for the server";
+            return "nobody whom this machine trusts vouches for the server's certificate";
         case CURLE_SSL_CONNECT_ERROR:
             return "no secure connection can be made";
         default:

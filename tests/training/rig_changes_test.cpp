@@ -81,6 +81,7 @@ training::RigFindings clean() {
     findings.late_by = {0.01, 0.01};
     findings.colours = training::CameraColours(2, 2, {true, true, true});
     findings.motion_px = {0.1, 0.2};
+    findings.whole = true;
     return findings;
 }
 
@@ -90,6 +91,8 @@ TEST(RigFindings, OnlyWhatIsWorthItIsRefined) {
     training::RigFindings findings = clean();
     findings.motion_px[1] = 1;
     EXPECT_TRUE(training::worthwhile(findings).poses);
+    findings.whole = false;  // the draft ended early
+    EXPECT_FALSE(training::worthwhile(findings).poses);
     findings = clean();
     findings.changes.frames_late[0] = -0.5;
     EXPECT_TRUE(training::worthwhile(findings).time);
