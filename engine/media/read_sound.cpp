@@ -72,10 +72,10 @@ class SoundReader {
             if (!opened) throw std::bad_alloc();
             opened->pb = memory_->context();
         }
+        if (!file.bytes) expect_regular_file(path_);
         AVDictionary* options = nullptr;
         av_dict_set(&options, "protocol_whitelist", file.bytes ? "none" : "file", 0);
         av_dict_set(&options, "format_whitelist", kFormats, 0);
-        if (!file.bytes) expect_regular_file(path_);
         const std::string url = file.bytes ? std::string() : file_url(path_);
         const int code = avformat_open_input(&opened, url.c_str(), nullptr, &options);  // where it fails, it frees
         av_dict_free(&options);
