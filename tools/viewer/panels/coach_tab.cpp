@@ -17,14 +17,6 @@ namespace {
 constexpr double kSpeeds[] = {1, 0.75, 0.5, 0.25};
 constexpr const char* kSpeedNames[] = {"full", "three quarters", "half", "a quarter"};
 
-bool text_button(Context& context, const char* name, const char* text, bool enabled = true) {
-    ImGui::BeginDisabled(!enabled);
-    const bool pressed = ImGui::Button(text);
-    ImGui::EndDisabled();
-    context.report.item(name);
-    return pressed;
-}
-
 void source_fields(Context& context, FieldGroup& fields, Coaching& coaching) {
     fields.text("motion from", coaching.address);
     explain(

@@ -151,6 +151,14 @@ bool icon_button(Context& context, const char* name, const char* icon, const cha
     return pressed;
 }
 
+bool text_button(Context& context, const char* name, const char* text, bool enabled, float width) {
+    ImGui::BeginDisabled(!enabled);
+    const bool pressed = ImGui::Button(text, {width, 0});
+    ImGui::EndDisabled();
+    context.report.item(name);
+    return pressed;
+}
+
 bool menu_item(Context& context, const std::string& report, const char* text, const char* keys, bool on, bool enabled) {
     const bool clicked = ImGui::MenuItem(text, keys, on, enabled);
     context.report.item(report);

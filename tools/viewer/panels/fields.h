@@ -47,6 +47,9 @@ class FieldGroup {
 bool icon_button(Context& context, const char* name, const char* icon, const char* tooltip, bool on = false,
                  bool enabled = true);
 
+// A button with a text, `width` pixels wide, or as wide as its text for 0. Reported by `name`.
+bool text_button(Context& context, const char* name, const char* text, bool enabled = true, float width = 0);
+
 // An item of a menu, reported by `report`. `keys` is the text at its right. Returns whether it was clicked.
 bool menu_item(Context& context, const std::string& report, const char* text, const char* keys = nullptr,
                bool on = false, bool enabled = true);

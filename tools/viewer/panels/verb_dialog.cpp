@@ -21,12 +21,8 @@ namespace {
 
 using Kind = FormField::Kind;
 
-bool text_button(const Context& context, const char* text, const char* report, bool enabled = true) {
-    ImGui::BeginDisabled(!enabled);
-    const bool pressed = ImGui::Button(text, {context.ui(130), 0});
-    ImGui::EndDisabled();
-    context.report.item(std::string("verb/") + report);
-    return pressed;
+bool verb_button(Context& context, const char* name, const char* text) {
+    return text_button(context, name, text, true, context.ui(130));
 }
 
 void choice_field(FieldGroup& fields, const FormField& field, std::string& value) {
@@ -99,9 +95,9 @@ void form_page(Context& context, VerbTask& task, Files& files) {
     ImGui::TextDisabled("neuvv %s", command_text(task.arguments()).c_str());
     ImGui::PopTextWrapPos();
     ImGui::Spacing();
-    if (text_button(context, ICON_PLAY "  Start", "start")) start(context, task);
+    if (verb_button(context, "verb/start", ICON_PLAY "  Start")) start(context, task);
     ImGui::SameLine();
-    if (text_button(context, "Close", "close")) task.close();
+    if (verb_button(context, "verb/close", "Close")) task.close();
 }
 
 void output_lines(const Context& context, const VerbTask& task) {
@@ -121,7 +117,7 @@ void open_button(Context& context, VerbTask& task, Files& files) {
     std::error_code error;
     if (!voctree::has_clip_ending(output) || !std::filesystem::exists(output, error)) return;
     ImGui::SameLine();
-    if (text_button(context, ICON_OPEN "  Watch", "watch")) files.open(output);
+    if (verb_button(context, "verb/watch", ICON_OPEN "  Watch")) files.open(output);
 }
 
 void running_page(Context& context, VerbTask& task, Files& files) {
@@ -131,7 +127,7 @@ void running_page(Context& context, VerbTask& task, Files& files) {
     context.report.item("verb/progress");
     ImGui::TextWrapped("%s", task.status().c_str());
     output_lines(context, task);
-    if (text_button(context, ICON_STOP "  Stop", "stop")) task.stop();
+    if (verb_button(context, "verb/stop", ICON_STOP "  Stop")) task.stop();
     open_button(context, task, files);
 }
 
@@ -141,13 +137,14 @@ void ended_page(Context& context, VerbTask& task, Files& files) {
     ImGui::TextUnformatted(good ? ICON_CHECK "  It has ended." : ICON_WARNING "  It has failed.");
     ImGui::PopStyleColor();
     output_lines(context, task);
-    if (text_button(context, "Back", "back")) task.back();
+    if (verb_button(context, "verb/back", "Back")) task.back();
     ImGui::SameLine();
-    if (text_button(context, "Close", "close")) return task.close();
+    if (verb_button(context, "verb/close", "Close")) return task.close();
     if (good) open_button(context, task, files);
     if (!good || std::string(task.form().verb) != "capture") return;
     ImGui::SameLine();
-    if (text_button(context, ICON_PLAY "  Train it…", "train")) task.ask("train", output_of(task.form(), task.values));
+    if (verb_button(context, "verb/train", ICON_PLAY "  Train it…"))
+        task.ask("train", output_of(task.form(), task.values));
 }
 
 }  // namespace
