@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "voctree/sigmoid.h"
 
 namespace neuvv::edit {
 
@@ -17,10 +18,6 @@ float dot(const std::vector<float>& row, const float* weights) {
     float sum = 0;
     for (size_t c = 0; c < row.size(); c++) sum += row[c] * weights[c];
     return sum;
-}
-
-float sigmoid(float x) {
-    return 1 / (1 + std::exp(-x));
 }
 
 std::vector<uint32_t> marked(const std::vector<uint8_t>& marks) {
@@ -102,7 +99,7 @@ float density(const voctree::VOctree& tree, const voctree::RowsAtTime& rows, uin
 glm::vec3 mean_colour(const voctree::VOctree& tree, const voctree::RowsAtTime& rows, uint32_t leaf) {
     constexpr float kPi = 3.14159265f, kY00 = 0.28209479f;
     const float* weights = tree.leaf(leaf);
-    const float c = std::cos(kPi * sigmoid(dot(rows.gamma, weights + tree.bases)));
+    const float c = std::cos(kPi * voctree::sigmoid(dot(rows.gamma, weights + tree.bases)));
     // R_n0(γ) for the degrees n = 0 to 3 (errata 1, 2), and the indices of H_n00.
     const float radial[] = {1, 2 * c, 4 * c * c - 1, 8 * c * c * c - 4 * c};
     constexpr uint32_t kFunction[] = {0, 1, 5, 14};
@@ -111,7 +108,7 @@ glm::vec3 mean_colour(const voctree::VOctree& tree, const voctree::RowsAtTime& r
         const float* hh = weights + 2 * tree.bases + channel * hh_count(tree.hh_degree);
         float k = 0;
         for (uint32_t n = 0; n <= tree.hh_degree; n++) k += std::sqrt(2 / kPi) * radial[n] * hh[kFunction[n]];
-        colour[static_cast<int>(channel)] = sigmoid(kY00 * k);
+        colour[static_cast<int>(channel)] = voctree::sigmoid(kY00 * k);
     }
     return colour;
 }

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "voctree/sh_weights.h"
+#include "voctree/sigmoid.h"
 
 namespace neuvv::interchange {
 
@@ -29,7 +30,7 @@ glm::vec3 colour_of(const VolumeLeaf& leaf, uint32_t degree, const std::array<fl
     for (int c = 0; c < 3; c++) {
         float logit = 0;
         for (size_t i = 0; i < sh_count(degree); i++) logit += leaf.colours[static_cast<size_t>(c)][i] * basis[i];
-        colour[c] = 1 / (1 + std::exp(-logit));
+        colour[c] = voctree::sigmoid(logit);
     }
     return colour;
 }

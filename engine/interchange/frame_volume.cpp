@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "voctree/sigmoid.h"
 
 namespace neuvv::interchange {
 
@@ -16,10 +17,6 @@ constexpr float kLeastOpacity = 1e-3f;
 // So that leaves that are not shown have a mean colour, and are told apart by how well they agree.
 constexpr float kLeastShown_m2 = 1e-12f;
 constexpr float kLeastDivisor = 1e-6f;
-
-float sigmoid(float x) {
-    return 1 / (1 + std::exp(-x));
-}
 
 }  // namespace
 
@@ -103,14 +100,14 @@ float cost_of(const FrameVolume& volume, const Siblings& siblings) {
     const float edge = volume.edge_m(whole) / 2;
     const float opacity = -std::expm1(-whole.sigma * edge);
     std::array<float, 3> colour;
-    for (size_t c = 0; c < 3; c++) colour[c] = sigmoid(whole.colours[c][0] * voctree::kMeanHarmonic);
+    for (size_t c = 0; c < 3; c++) colour[c] = voctree::sigmoid(whole.colours[c][0] * voctree::kMeanHarmonic);
     float cost = static_cast<float>(8 - siblings.count) * opacity * whole.shown / static_cast<float>(siblings.count);
     for (size_t i = siblings.first; i < siblings.first + siblings.count; i++) {
         const VolumeLeaf& leaf = volume.leaves[i];
         const float own = -std::expm1(-leaf.sigma * edge);
         float difference = std::abs(own - opacity) / std::max(own, kLeastDivisor);
         for (size_t c = 0; c < 3; c++)
-            difference += std::abs(sigmoid(leaf.colours[c][0] * voctree::kMeanHarmonic) - colour[c]);
+            difference += std::abs(voctree::sigmoid(leaf.colours[c][0] * voctree::kMeanHarmonic) - colour[c]);
         cost += difference * (leaf.shown + kLeastShown_m2);
     }
     return cost;

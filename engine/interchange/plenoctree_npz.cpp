@@ -12,6 +12,7 @@
 #include "media/image.h"
 #include "voctree/half.h"
 #include "voctree/sh_weights.h"
+#include "voctree/sigmoid.h"
 
 namespace neuvv::interchange {
 
@@ -46,7 +47,7 @@ std::vector<PlenDirection> plen_directions() {
 // From the logit of linear light to that of sRGB.
 double srgb_logit(double logit) {
     const double clamped = std::clamp(logit, -kLastPlenLogit, kLastPlenLogit);
-    const double srgb = media::srgb_from_linear(1 / (1 + std::exp(-clamped)));
+    const double srgb = media::srgb_from_linear(voctree::sigmoid(clamped));
     return std::log(srgb / (1 - srgb)) + (logit - clamped);
 }
 

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "media/image.h"
 #include "voctree/sh_weights.h"
+#include "voctree/sigmoid.h"
 
 namespace neuvv::interchange {
 
@@ -44,7 +45,7 @@ SplatColour splat_colour(const voctree::LeafColours& k, uint32_t degree, const s
         for (const Direction& direction : directions) {
             float logit = 0;
             for (uint32_t i = 0; i < count; i++) logit += channel[i] * direction.of_volume[i];
-            const double linear = 1 / (1 + std::exp(-double{logit}));
+            const double linear = voctree::sigmoid(double{logit});
             const float shown = static_cast<float>(media::srgb_from_linear(linear)) - 0.5f;
             for (uint32_t i = 0; i < count; i++) colour[i][c] += direction.weight * direction.of_splats[i] * shown;
         }

@@ -5,6 +5,7 @@
 
 #include "media/image.h"
 #include "voctree/sh_weights.h"
+#include "voctree/sigmoid.h"
 
 namespace neuvv::voctree {
 
@@ -14,10 +15,6 @@ namespace {
 // identity.
 constexpr double kLastLogit = 20;
 constexpr int kStepsPerLogit = 128;
-
-double sigmoid(double logit) {
-    return 1 / (1 + std::exp(-logit));
-}
 
 }  // namespace
 

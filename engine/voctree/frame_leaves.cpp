@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "voctree/sh_weights.h"
+#include "voctree/sigmoid.h"
 
 namespace neuvv::voctree {
 
@@ -36,8 +37,7 @@ std::vector<LiveLeaf> live_leaves(const VOctree& tree, const RowsAtTime& rows, c
 LeafColours leaf_colours(const VOctree& tree, uint32_t leaf, const RowsAtTime& rows, const FrameEdits& edits) {
     const float* weights = tree.leaf(leaf) + tree.bases;
     const float angle = row_product(rows.gamma.data(), weights, tree.bases);
-    const float share = 1 / (1 + std::exp(-angle));
-    const Radial radial = radial_functions(std::numbers::pi * double{share});
+    const Radial radial = radial_functions(std::numbers::pi * double{sigmoid(angle)});
     weights += tree.bases;
     LeafColours k{};
     for (auto& channel : k)

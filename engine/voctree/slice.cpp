@@ -10,6 +10,7 @@
 #include "media/image.h"
 #include "voctree/frame_leaves.h"
 #include "voctree/sh_weights.h"
+#include "voctree/sigmoid.h"
 #include "voctree/temporal_basis.h"
 
 namespace neuvv::voctree {
@@ -20,10 +21,6 @@ constexpr size_t kLeavesOfPart = 4096;
 // Colours and opacities that are coded as 0 or 1 are a little more or less.
 constexpr float kMargin = 0.5f / stream::kUnit;
 constexpr float kLeastSlope = 0.02f;
-
-float sigmoid(float x) {
-    return 1 / (1 + std::exp(-x));
-}
 
 float srgb_of(float linear) {
     return static_cast<float>(media::srgb_from_linear(double{linear}));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "voctree/sigmoid.h"
+
 namespace neuvv::voctree {
 
 namespace {
@@ -38,7 +40,7 @@ glm::vec3 blended(uint32_t blend, glm::vec3 colour, glm::vec3 target) {
 
 glm::vec3 mean_colour(const LeafColours& k) {
     glm::vec3 mean;
-    for (int c = 0; c < 3; c++) mean[c] = 1 / (1 + std::exp(-kMeanHarmonic * k[static_cast<size_t>(c)][0]));
+    for (int c = 0; c < 3; c++) mean[c] = sigmoid(kMeanHarmonic * k[static_cast<size_t>(c)][0]);
     return mean;
 }
 
