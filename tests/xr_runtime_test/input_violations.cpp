@@ -160,7 +160,7 @@ XrResult vibrate_button(Application& app) {
 }
 
 template <XrDuration kDuration, int kFrequency, int kAmplitude>
-XrResult vibrate(Application& app) {
+XrResult vibrate_wrongly(Application& app) {
     make_synced(app);
     return vibrate(app, app.buzz, kDuration, kFrequency, kAmplitude);
 }
@@ -200,9 +200,9 @@ std::vector<Violation> input_violations() {
         {"SourcesBeforeAttaching", "action-order", "xrEnumerateBoundSourcesForAction", unattached,
          sources_before_attaching},
         {"VibratingButton", "action-type", buzz, mismatch, vibrate_button},
-        {"TooStrongVibration", "haptic", buzz, invalid, vibrate<XR_MIN_HAPTIC_DURATION, 0, 2>},
-        {"VibrationOfNegativeLength", "haptic", buzz, invalid, vibrate<-5, 0, 1>},
-        {"VibrationOfNegativeFrequency", "haptic", buzz, invalid, vibrate<XR_MIN_HAPTIC_DURATION, -1, 1>},
+        {"TooStrongVibration", "haptic", buzz, invalid, vibrate_wrongly<XR_MIN_HAPTIC_DURATION, 0, 2>},
+        {"VibrationOfNegativeLength", "haptic", buzz, invalid, vibrate_wrongly<-5, 0, 1>},
+        {"VibrationOfNegativeFrequency", "haptic", buzz, invalid, vibrate_wrongly<XR_MIN_HAPTIC_DURATION, -1, 1>},
         {"NoVibration", "null", buzz, invalid, vibrate_nothing},
     };
 }

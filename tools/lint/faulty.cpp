@@ -1,4 +1,4 @@
-// Four faults, in a header, a template and an unnamed namespace, that tools/check tidy must find before it is believed
+// Five faults, in a header, a template and an unnamed namespace, that tools/check tidy must find before it is believed
 // that other files have none. Nothing compiles this file.
 #include "faulty.h"
 
@@ -24,9 +24,13 @@ struct Area {
     double doubled() const { return 2 * area_; }
 };
 
+double sides(double corners) {  // which of the two a call takes, its argument says
+    return corners;
+}
+
 }  // namespace
 
 std::string::size_type use_all(const std::string& text) {
     return use_after_move_in_a_header(text) + use_after_move_in_a_template(text) +
-           static_cast<std::string::size_type>(Triangle().corners() + Area().twice_);
+           static_cast<std::string::size_type>(sides(Triangle().corners()) + sides(Area().twice_));
 }

@@ -8,3 +8,9 @@ inline std::string::size_type use_after_move_in_a_header(std::string text) {
     const std::string taken = std::move(text);
     return taken.size() + text.size();
 }
+
+namespace {
+inline int sides(int corners) {
+    return corners;
+}
+}  // namespace

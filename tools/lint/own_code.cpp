@@ -1,13 +1,18 @@
 // A plugin of clang-tidy 14: keeps all checks to declarations outside system headers, which halves the time of the
 // lint. Without it, clang-tidy matches every check against the standard library and whatever else a file includes, and
 // then drops what it found there. Lost are the few findings that compare own declarations with those of system headers,
-// such as those of bugprone-forward-declaration-namespace. It also has a check of its own, which clang-tidy lacks.
+// such as those of bugprone-forward-declaration-namespace. It also has checks of its own, which clang-tidy lacks.
 // tools/check compiles and loads it.
 #include <clang-tidy/ClangTidyCheck.h>
 #include <clang-tidy/ClangTidyModule.h>
 #include <clang-tidy/ClangTidyModuleRegistry.h>
 #include <clang/AST/ASTContext.h>
 #include <clang/ASTMatchers/ASTMatchFinder.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -50,11 +55,53 @@ class CallInInitialiser : public clang::tidy::ClangTidyCheck {
     }
 };
 
+// Finds functions of one name in the unnamed namespaces of two sources of a target that could take the same arguments.
+// CMake compiles several sources as one file, where a call would silently choose the nearer of the two.
+class OverloadOfAnotherSource : public clang::tidy::ClangTidyCheck {
+  public:
+    using ClangTidyCheck::ClangTidyCheck;
+    void registerMatchers(clang::ast_matchers::MatchFinder* finder) override {
+        using namespace clang::ast_matchers;
+        finder->addMatcher(functionDecl(isDefinition(), unless(cxxMethodDecl())).bind("function"), this);
+    }
+    void check(const clang::ast_matchers::MatchFinder::MatchResult& result) override {
+        const auto* function = result.Nodes.getNodeAs<clang::FunctionDecl>("function");
+        if (!function->isInAnonymousNamespace() || function->isTemplateInstantiation()) return;
+        const clang::SourceManager& sources = *result.SourceManager;
+        std::vector<const clang::FunctionDecl*>& others = functions_[function->getQualifiedNameAsString()];
+        for (const clang::FunctionDecl* other : others)
+            if (sources.getFileID(other->getLocation()) != sources.getFileID(function->getLocation()) &&
+                take_the_same(*function, *other))
+                diag(function->getLocation(),
+                     "%0 takes the arguments of a function in another source of this target; "
+                     "rename one or share it")
+                    << function;
+        others.push_back(function);
+    }
+
+  private:
+    static bool take_the_same(const clang::FunctionDecl& a, const clang::FunctionDecl& b) {
+        const unsigned most = std::min(a.getNumParams(), b.getNumParams());
+        if (most < a.getMinRequiredArguments() || most < b.getMinRequiredArguments()) return false;
+        for (unsigned i = 0; i < most; ++i) {
+            const clang::QualType one = plain_type(*a.getParamDecl(i)), two = plain_type(*b.getParamDecl(i));
+            if (one != two && !(one->isArithmeticType() && two->isArithmeticType())) return false;
+        }
+        return true;
+    }
+    static clang::QualType plain_type(const clang::ParmVarDecl& parameter) {
+        return parameter.getType().getNonReferenceType().getCanonicalType().getUnqualifiedType();
+    }
+
+    std::map<std::string, std::vector<const clang::FunctionDecl*>> functions_;
+};
+
 class Module : public clang::tidy::ClangTidyModule {
   public:
     void addCheckFactories(clang::tidy::ClangTidyCheckFactories& factories) override {
         factories.registerCheck<OwnCode>("neuvv-own-code");
         factories.registerCheck<CallInInitialiser>("neuvv-call-in-initialiser");
+        factories.registerCheck<OverloadOfAnotherSource>("neuvv-overload-of-another-source");
     }
 };
 
