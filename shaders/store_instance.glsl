@@ -14,6 +14,7 @@
 
 const float kRadiancePerLux = 0.318309886;  // of a white diffuse surface: 1/π
 const float kSelfShadowLift = 0.08;         // metres, performer_shadow's `lift` for performers
+const float kSurfaceAlpha = 0.1;            // the ray has met the surface where it comes to this
 
 // Whether the whole range of the ray is hidden by what earlier instances stored. The error is smaller than that of
 // early termination.
@@ -25,6 +26,7 @@ bool is_hidden(Ray ray) {
 
 uint first_page = 0u, page = 0u, in_page = 0u;
 bool no_room = false;
+float surface = -1.0;  // the middle of the segment where the ray meets the surface, as t of the ray; < 0 before it does
 
 // Whether another instance of the group may cover the ray's tile. Elsewhere a layer gives the same result at a lower
 // cost than segments.
@@ -56,6 +58,7 @@ bool page_has_room(Ray ray) {
 // `before` and `after` are the transmittance before and after the segment, for an instance of opacity 1.
 void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 colour) {
     if (kRayOutput == kOutputInspect) inspect_segment(ray, part, before, after);
+    if (surface < 0.0 && after < 1.0 - kSurfaceAlpha) surface = 0.5 * (part.t_in + part.t_out);
     if (!is_shared(ray) || before == after || !page_has_room(ray)) return;
     const float opacity = push.box_size.w;
     const vec2 through = 1.0 - opacity * (1.0 - vec2(before, after));
@@ -68,18 +71,22 @@ void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 c
 }
 
 // The factor by which the stage's lights change the colour at a distance along the ray, as if a surface there faced all
-// of them. A captured colour is taken to be lit by a light of 1.
+// of them. A captured colour is taken to be lit by a light of 1. Shadow is looked up where the ray meets the surface: the
+// distance is a mean along the ray, and that of a ray which also sees through to the back lies inside the performer, in
+// its own shadow.
 vec3 light_on(Ray ray, float world_metres) {
     if ((push.lighting & kLit) == 0u) return vec3(1.0);
     const vec3 eye = texelFetch(cameras, int(kCameraTexels * ray.view)).xyz;
-    const vec3 world = eye + world_metres * normalize(camera_line(ray.view, ray.at));
+    const vec3 direction = normalize(camera_line(ray.view, ray.at));
+    const vec3 world = eye + world_metres * direction;
+    const vec3 seen = surface < 0.0 ? world : eye + surface * ray.world_metres * direction;
     vec3 sum = lights.irradiance[0].rgb;
     for (uint i = 0u; i < lights.count; i++) {
         vec3 to_light;
         const vec3 light = light_at(lights.light[i], world, to_light) * kRadiancePerLux;
         if (max(light.r, max(light.g, light.b)) <= 0.0) continue;
         const bool shadowed = (push.lighting & kShadowed) != 0u;
-        sum += light * (shadowed ? set_shadow(i, world, vec3(0.0)) * performer_shadow(i, world, kSelfShadowLift) : 1.0);
+        sum += light * (shadowed ? set_shadow(i, seen, vec3(0.0)) * performer_shadow(i, seen, kSelfShadowLift) : 1.0);
     }
     return sum;
 }
