@@ -17,13 +17,24 @@ def mixed(a, b, share):
     return tuple(x + (y - x) * share for x, y in zip(a, b))
 
 
-def colour(x, y):
-    flow = y * 9 + 0.6 * math.sin(7 * x)
+def twisted(x, y):
+    """The point that a swirl turns to (x, y): by up to a turn in its middle, not at all at its radius. An angle around
+    the middle would have a cut."""
     for cx, cy, radius in SWIRLS:
-        distance = math.hypot(x - cx, y - cy) / radius
-        near = max(0.0, 1 - distance)
-        flow += 7 * near * near * (distance * 2.2 + math.atan2(y - cy, x - cx) / math.pi)
-    band = 0.5 + 0.5 * math.sin(2 * math.pi * flow)
+        near = max(0.0, 1 - math.hypot(x - cx, y - cy) / radius)
+        turn = 2 * math.pi * near * near
+        x, y = (cx + math.cos(turn) * (x - cx) - math.sin(turn) * (y - cy),
+                cy + math.sin(turn) * (x - cx) + math.cos(turn) * (y - cy))
+    return x, y
+
+
+def flow_at(x, y):
+    x, y = twisted(x, y)
+    return y * 9 + 0.6 * math.sin(7 * x)
+
+
+def colour(x, y):
+    band = 0.5 + 0.5 * math.sin(2 * math.pi * flow_at(x, y))
     result = mixed(mixed(NIGHT, SKY, band), FOAM, max(0.0, band - 0.8) * 3.5)
     for cx, cy, radius in STARS:
         glow = max(0.0, 1 - math.hypot(x - cx, y - cy) / radius)
