@@ -14,6 +14,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/descriptor.h"
 #include "base/error.h"
 
 namespace neuvv {
@@ -26,20 +27,6 @@ constexpr size_t kRandomLetters = 16;  // 80 bits
 constexpr size_t kMostOfName = 200;    // bytes; a name has at most 255
 constexpr mode_t kNewFileMode = 0666;  // less what the umask takes
 constexpr int kNoLinks = O_CLOEXEC | O_NOFOLLOW;
-
-[[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
-    throw RuntimeFailure(fmt::format("{}: cannot {}: {}", path.string(), what, std::strerror(errno)));
-}
-
-struct Descriptor {
-    int number = -1;
-    explicit Descriptor(int descriptor) : number(descriptor) {}
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    ~Descriptor() {
-        if (number >= 0) close(number);
-    }
-};
 
 std::string random_letters() {
     constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz234567";
@@ -116,8 +103,8 @@ void put_in_place(int descriptor, const std::filesystem::path& from, const std::
     if (const std::string why = why_not_replaced(path); !why.empty())
         throw RuntimeFailure(fmt::format("{}: {}", path.string(), why));
     take_over_permissions(descriptor, path);
-    if (sync == NewFile::Sync::kYes && fsync(descriptor) != 0) fail(path, "sync");
-    if (rename(from.c_str(), path.c_str()) != 0) fail(path, "replace");
+    if (sync == NewFile::Sync::kYes && fsync(descriptor) != 0) fail_by_errno(path, "sync");
+    if (rename(from.c_str(), path.c_str()) != 0) fail_by_errno(path, "replace");
     if (sync == NewFile::Sync::kNo) return;
     const Descriptor folder(open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (folder.number >= 0) fsync(folder.number);  // best effort: some file systems refuse to sync folders
@@ -140,7 +127,7 @@ void NewFile::create() {
         temporary_ = temporary_name(path_);
         descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | kNoLinks, mode | S_IRUSR | S_IWUSR);
         if (descriptor_ < 0 && errno == EEXIST) continue;
-        if (descriptor_ < 0) fail(path_, "create a file beside it");
+        if (descriptor_ < 0) fail_by_errno(path_, "create a file beside it");
         lock(descriptor_);
         struct stat what = {};
         if (fstat(descriptor_, &what) == 0 && what.st_nlink > 0) return;
@@ -175,7 +162,7 @@ void NewFile::write(const void* data, size_t bytes) {
     while (bytes > 0) {
         const ssize_t written = ::write(descriptor_, at, bytes);
         if (written < 0 && errno == EINTR) continue;
-        if (written < 0) fail(path_, "write");
+        if (written < 0) fail_by_errno(path_, "write");
         at += written;
         bytes -= static_cast<size_t>(written);
     }
@@ -186,7 +173,7 @@ void NewFile::write_at(uint64_t offset, const void* data, size_t bytes) {
     while (bytes > 0) {
         const ssize_t written = pwrite(descriptor_, at, bytes, static_cast<off_t>(offset));
         if (written < 0 && errno == EINTR) continue;
-        if (written < 0) fail(path_, "write");
+        if (written < 0) fail_by_errno(path_, "write");
         at += written;
         offset += static_cast<uint64_t>(written);
         bytes -= static_cast<size_t>(written);
@@ -199,7 +186,7 @@ std::filesystem::path NewFile::name_to_open() const {
 
 void NewFile::finish(Sync sync) {
     put_in_place(descriptor_, temporary_, path_, sync);
-    if (close(std::exchange(descriptor_, -1)) != 0) fail(path_, "write");
+    if (close(std::exchange(descriptor_, -1)) != 0) fail_by_errno(path_, "write");
 }
 
 void write_file_atomically(const std::filesystem::path& path, const std::function<void(const ByteSink&)>& write) {
@@ -210,7 +197,7 @@ void write_file_atomically(const std::filesystem::path& path, const std::functio
 
 void replace_file(const std::filesystem::path& path, const std::filesystem::path& finished) {
     const Descriptor file(open(finished.c_str(), O_RDONLY | kNoLinks));
-    if (file.number < 0) fail(finished, "sync");
+    if (file.number < 0) fail_by_errno(finished, "sync");
     put_in_place(file.number, finished, path, NewFile::Sync::kYes);
 }
 

@@ -19,25 +19,12 @@
 #include <fstream>
 #include <utility>
 
+#include "base/descriptor.h"
 #include "base/error.h"
 
 namespace neuvv {
 
 namespace {
-
-struct FileDescriptor {
-    int fd = -1;
-    explicit FileDescriptor(int descriptor) : fd(descriptor) {}
-    FileDescriptor(const FileDescriptor&) = delete;
-    FileDescriptor& operator=(const FileDescriptor&) = delete;
-    ~FileDescriptor() {
-        if (fd >= 0) close(fd);
-    }
-};
-
-[[noreturn]] void fail_write(const std::filesystem::path& path, const char* what) {
-    throw RuntimeFailure(fmt::format("{}: cannot {}: {}", path.string(), what, std::strerror(errno)));
-}
 
 // A regular file and its size. A pipe would be opened without waiting for its writer, which blocks all others.
 std::pair<int, uint64_t> open_regular_file(const std::filesystem::path& path) {
@@ -93,14 +80,14 @@ uint64_t expect_regular_file(const std::filesystem::path& path) {
 
 std::vector<uint8_t> read_file(const std::filesystem::path& path, uint64_t limit_bytes) {
     const auto [descriptor, size] = open_regular_file(path);
-    const FileDescriptor file(descriptor);
+    const Descriptor file(descriptor);
     if (size > limit_bytes)
         throw InputError(path.string(), "",
                          fmt::format("is {} bytes, more than the {} allowed here", size, limit_bytes));
     std::vector<uint8_t> bytes(size);
     size_t filled = 0;
     while (filled < bytes.size()) {
-        const ssize_t got = read(file.fd, bytes.data() + filled, bytes.size() - filled);
+        const ssize_t got = read(file.number, bytes.data() + filled, bytes.size() - filled);
         if (got < 0 && errno == EINTR) continue;
         if (got < 0) throw InputError(path.string(), "", fmt::format("cannot read: {}", std::strerror(errno)));
         if (got == 0) break;
@@ -153,14 +140,14 @@ uint64_t SpooledMemory::bytes_on_disk() const {
 
 void SpooledMemory::open_file() {
     std::string name = (folder_ / "neuvv-spool-XXXXXX").string();
-    FileDescriptor file(mkostemp(name.data(), O_CLOEXEC));
-    if (file.fd < 0) fail_write(name, "create");
+    Descriptor file(mkostemp(name.data(), O_CLOEXEC));
+    if (file.number < 0) fail_by_errno(name, "create");
     unlink(name.c_str());
     // The mapping is larger than the file, which grows under it.
-    void* mapped = mmap(nullptr, disk_budget_, PROT_READ | PROT_WRITE, MAP_SHARED, file.fd, 0);
-    if (mapped == MAP_FAILED) fail_write(folder_, "map a file");
+    void* mapped = mmap(nullptr, disk_budget_, PROT_READ | PROT_WRITE, MAP_SHARED, file.number, 0);
+    if (mapped == MAP_FAILED) fail_by_errno(folder_, "map a file");
     mapped_ = static_cast<std::byte*>(mapped);
-    file_ = std::exchange(file.fd, -1);
+    file_ = std::exchange(file.number, -1);
 }
 
 // Gives the file room for this many bytes: a page without space on the disk would kill the process when it is first
@@ -170,7 +157,7 @@ void SpooledMemory::reserve(uint64_t bytes) {
     if (bytes <= reserved_) return;
     const uint64_t wanted = std::min(std::max(bytes, reserved_ + kStep), disk_budget_);
     errno = posix_fallocate(file_, static_cast<off_t>(reserved_), static_cast<off_t>(wanted - reserved_));
-    if (errno != 0) fail_write(folder_, fmt::format("keep {} MB", (wanted + 999'999) / 1'000'000).c_str());
+    if (errno != 0) fail_by_errno(folder_, fmt::format("keep {} MB", (wanted + 999'999) / 1'000'000).c_str());
     reserved_ = wanted;
 }
 
