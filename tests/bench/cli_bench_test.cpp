@@ -194,6 +194,7 @@ TEST_F(CliGpu, BenchOpenShowsTheCoarseTreeFirst) {
     for (const char* word : {"coarse tree", "whole tree", "upload", "% of the time"})
         EXPECT_NE(again.out.find(word), std::string::npos) << again.out;
 
+    expect_refused({"open", large, "--images", file("images")}, 2, {"coarse.png", "is there already", "--overwrite"});
     expect_refused({"open", large, "--synthetic", "32"}, 2, {"large.nvv", "is there already"});
     EXPECT_NE(run_neuvv({"open", scene, "--size", "64x48"}).out.find("no coarse tree"), std::string::npos);
     expect_refused({"open", file("none.nvv")}, 2, {"none.nvv"});
@@ -252,6 +253,16 @@ TEST_F(CliGpu, BenchStageComparesLightsAndCopies) {
     for (const nlohmann::json& way : json["ways"]) EXPECT_GT(way["ms"], 0.0) << way["name"];
     EXPECT_GT(json["one_bytes"], 10000);
     EXPECT_EQ(media::read_png(file("stage.png")).width, 64u);
+    for (const char* verb : {"stage", "instances"}) {
+        expect_refused({verb, scene, "--image", file("stage.png")}, 2,
+                       {"stage.png", "is there already", "--overwrite"});
+        expect_refused({verb, scene, "--image", file("stage.jpg")}, 2, {"stage.jpg", ".png"});
+    }
+    EXPECT_EQ(run_neuvv({"instances", scene, "--size", "32x24", "--count", "2", "--repeats", "1", "--image",
+                         file("stage.png"), "--overwrite"})
+                  .code,
+              0);
+    EXPECT_EQ(media::read_png(file("stage.png")).width, 32u);
     expect_refused({"stage", scene, "--copies", "0"}, 2, {"--copies"});
     expect_refused({"stage", file("none.nvv")}, 2, {"none.nvv"});
 }

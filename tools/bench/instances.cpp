@@ -6,10 +6,10 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
 
-#include "base/output_path.h"
 #include "base/platform.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "tools/view_path.h"
 #include "voctree/clip.h"
 #include "voctree/occupied_box.h"
@@ -146,7 +146,7 @@ nlohmann::ordered_json json_of(const InstancesResult& result, const InstancesOpt
 
 void run_instances(const InstancesOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    if (!options.image.empty()) prepare_output_file("--image", options.image);
+    if (!options.image.empty()) tools::prepare_result("--image", options.image, {".png"});
     const voctree::VOctree tree = voctree::read_clip(options.scene, voctree::PlenoctreeColours::kAsStored);
     const gpu::Device device(common.device);
     const InstancesResult result = measure_all(device, tree, options);

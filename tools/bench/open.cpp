@@ -14,6 +14,7 @@
 #include "base/parallel.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "tools/view_path.h"
 #include "training/evaluation/metrics.h"
 #include "voctree/clip.h"
@@ -199,7 +200,7 @@ bool has_coarse_tree(const std::string& scene) {
 
 void run_open(const OpenOptions& options, const tools::CommonOptions& common) {
     const media::ImageSize size = tools::parse_size(options.size);
-    if (!options.images.empty()) prepare_output_folder("--images", options.images);
+    if (!options.images.empty()) tools::prepare_results("--images", options.images, {"coarse.png", "whole.png"});
     if (options.synthetic_megabytes > 0) write_synthetic(options);
     const bool has_coarse = has_coarse_tree(options.scene);
     const gpu::Device device(common.device);

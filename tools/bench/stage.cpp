@@ -3,12 +3,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/output_path.h"
 #include "base/platform.h"
 #include "render/stage_renderer.h"
 #include "tools/bench/measure.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/results.h"
 
 namespace neuvv::bench {
 
@@ -124,7 +124,7 @@ nlohmann::ordered_json json_of(const StageResult& result, const StageOptions& op
 
 void run_stage(const StageOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    if (!options.image.empty()) prepare_output_file("--image", options.image);
+    if (!options.image.empty()) tools::prepare_result("--image", options.image, {".png"});
     const gpu::Device device(common.device);
     StageResult result;
     result.variants = measure_variants(device, options, result.image);
