@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/output_path.h"
 #include "base/platform.h"
 #include "media/image_sink.h"
 #include "motion/skeleton_file.h"
@@ -20,6 +19,7 @@
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/skeleton_verbs.h"
+#include "tools/unfinished_folder.h"
 #include "tools/view_path.h"
 #include "training/capture/performer_views.h"
 #include "voctree/clip.h"
@@ -61,20 +61,20 @@ void run_views(ViewsOptions& options, const CommonOptions& common) {
     const media::ImageSize size = parse_size(options.size);
     options.settings.width = size.width;
     options.settings.height = size.height;
-    prepare_output_folder("--output", options.folder);
+    const UnfinishedFolder unfinished(options.folder);
     const voctree::VOctree clip = voctree::read_clip(options.clip);
     catch_stop_signals();
     const gpu::Device device(common.device);
     Progress progress("views");
-    const bool complete = training::render_performer_views(device, clip, options.folder, options.settings,
+    const bool complete = training::render_performer_views(device, clip, unfinished.path(), options.settings,
                                                            [&](uint64_t done, uint64_t total) {
                                                                progress.set_total(total);
                                                                progress.update(done, "images");
                                                                return done == total || !stop_requested();
                                                            });
     progress.finish();
-    if (!complete)
-        throw RuntimeFailure(fmt::format("stopped; {} has images but no cameras: run it again", options.folder));
+    if (!complete) throw RuntimeFailure("stopped before the end; nothing was written");
+    unfinished.finish();
     fmt::print("{0}: {1} views of {2} frames; write a detector's key points of {0}/images into {0}/key_points\n",
                options.folder, options.settings.views, clip.frames);
 }

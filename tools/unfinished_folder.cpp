@@ -13,13 +13,14 @@ namespace neuvv::tools {
 
 namespace {
 
-constexpr const char* kImageFolders[] = {"images", "plates"};
+// Key points are what a detector found in the images.
+constexpr const char* kFolders[] = {"images", "plates", "key_points"};
 constexpr const char* kFiles[] = {"skeleton.glb", "transforms_test.json",
                                   "transforms_train.json"};  // the last are last
 
 // Files of a folder that have the names of a capture's.
-std::vector<std::filesystem::path> captured_images(const std::filesystem::path& folder) {
-    static const std::regex kName("c[0-9]{2,}(_f[0-9]{3,})?\\.png");
+std::vector<std::filesystem::path> captured_files(const std::filesystem::path& folder) {
+    static const std::regex kName("c[0-9]{2,}(_f[0-9]{3,})?(\\.png|_keypoints\\.json)");
     std::vector<std::filesystem::path> files;
     std::error_code ignored;
     for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
@@ -32,8 +33,9 @@ std::vector<std::filesystem::path> captured_images(const std::filesystem::path& 
 UnfinishedFolder::UnfinishedFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
     prepare_results("--output", folder_, {kFiles[1], kFiles[2]});
     std::error_code error;
-    if (std::filesystem::exists(folder_ / "images", error) && !std::filesystem::is_empty(folder_ / "images", error))
-        expect_replaceable("--output", folder_ / "images");
+    for (const char* name : {kFolders[0], kFolders[2]})
+        if (std::filesystem::exists(folder_ / name, error) && !std::filesystem::is_empty(folder_ / name, error))
+            expect_replaceable("--output", folder_ / name);
     std::filesystem::remove_all(path(), error);  // of a program that was killed
     prepare_output_folder("--output", path());
 }
@@ -46,11 +48,11 @@ UnfinishedFolder::~UnfinishedFolder() {
 void UnfinishedFolder::finish() const {
     try {
         for (const char* name : {kFiles[2], kFiles[1], kFiles[0]}) std::filesystem::remove(folder_ / name);
-        for (const char* name : kImageFolders) {
-            for (const std::filesystem::path& old : captured_images(folder_ / name)) std::filesystem::remove(old);
+        for (const char* name : kFolders) {
+            for (const std::filesystem::path& old : captured_files(folder_ / name)) std::filesystem::remove(old);
             if (std::filesystem::exists(path() / name)) std::filesystem::create_directories(folder_ / name);
-            for (const std::filesystem::path& image : captured_images(path() / name))
-                std::filesystem::rename(image, folder_ / name / image.filename());
+            for (const std::filesystem::path& file : captured_files(path() / name))
+                std::filesystem::rename(file, folder_ / name / file.filename());
         }
         for (const char* name : kFiles)
             if (std::filesystem::exists(path() / name)) std::filesystem::rename(path() / name, folder_ / name);

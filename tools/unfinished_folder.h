@@ -1,4 +1,5 @@
-// A folder of a capture that is being made: its files get their places when all of them are there.
+// A folder of a capture, or of views of a clip, that is being made: its files get their places when all of them are
+// there.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +9,8 @@ namespace neuvv::tools {
 // The folder `unfinished` in the folder of the capture. It is removed at the end.
 class UnfinishedFolder {
   public:
-    // Throws InputError where the folder holds a capture or other images, unless --overwrite says that it is replaced.
+    // Throws InputError where the folder holds a capture, other images or key points, unless --overwrite says that it
+    // is replaced.
     explicit UnfinishedFolder(std::filesystem::path folder);
     UnfinishedFolder(const UnfinishedFolder&) = delete;
     UnfinishedFolder& operator=(const UnfinishedFolder&) = delete;

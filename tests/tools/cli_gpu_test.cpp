@@ -389,8 +389,27 @@ TEST_F(CliGpu, SkeletonViewsAreADataSetOfTheWholeClip) {
             ASSERT_TRUE(pixel);
             EXPECT_TRUE(pixel->x >= 0 && pixel->y >= 0 && pixel->x <= 64 && pixel->y <= 72);
         }
-    expect_refused(words, 2, {"images", "earlier views"});
     expect_refused({"skeleton", "views", scene, "-o", file("others"), "--views", "1"}, 2, {"--views", "2 to 100"});
+}
+
+TEST_F(CliGpu, SkeletonViewsReplaceEarlierOnesAndTheirKeyPoints) {
+    const auto views = [&](const char* count) {
+        return std::vector<std::string>{"skeleton", "views", scene,    "-o",   file("views"),
+                                        "--views",  count,   "--size", "64x64"};
+    };
+    ASSERT_EQ(run_neuvv(views("4")).code, 0);
+    std::filesystem::create_directory(file("views/key_points"));
+    const std::string key_points = file("views/key_points/c03_f000_keypoints.json");
+    write_text(key_points, "{}");
+    expect_refused(views("3"), 2, {"views", "is there already", "--overwrite"});
+    std::vector<std::string> again = views("3");
+    again.emplace_back("--overwrite");
+    const ProgramResult result = run_neuvv(again);
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(key_points)) << "of an image that is gone";
+    EXPECT_FALSE(std::filesystem::exists(file("views/images/c03_f000.png")));
+    EXPECT_TRUE(std::filesystem::exists(file("views/images/c02_f000.png")));
+    EXPECT_FALSE(std::filesystem::exists(file("views/unfinished")));
 }
 
 TEST_F(CliGpu, SkeletonShowDrawsJointsWhereTheyAre) {

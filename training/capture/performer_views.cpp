@@ -32,18 +32,6 @@ void check_view_settings(const ViewSettings& s) {
                          "choose 64 to 4096 a side");
 }
 
-// Removes the cameras of earlier views, and refuses a folder whose images or key points would be mixed with new ones.
-void prepare_view_folder(const std::filesystem::path& folder) {
-    std::error_code error;
-    for (const char* name : {"images", "key_points"})
-        if (std::filesystem::exists(folder / name, error) && !std::filesystem::is_empty(folder / name, error))
-            throw InputError((folder / name).string(), "", "is there already, of earlier views",
-                             "remove it, or choose another folder");
-    prepare_output_folder("--output", folder / "images");
-    std::filesystem::remove(folder / "transforms_train.json", error);
-    if (error) throw RuntimeFailure(fmt::format("{}: cannot be written anew: {}", folder.string(), error.message()));
-}
-
 std::vector<glm::vec3> corners(const std::pair<glm::dvec3, glm::dvec3>& box) {
     std::vector<glm::vec3> points;
     for (int i = 0; i < 8; ++i)
@@ -72,7 +60,7 @@ bool render_performer_views(const gpu::Device& device, const voctree::VOctree& c
                             const CaptureProgress& progress) {
     check_view_settings(settings);
     const std::vector<stage::Camera> cameras = views_around(clip, settings);
-    prepare_view_folder(folder);
+    prepare_output_folder("--output", folder / "images");
 
     const render::Field field = render::upload_field(device, clip, render::WeightPrecision::kHalf);
     render::FrameRenderer renderer(device, field, {settings.width, settings.height, kViewSamples});

@@ -20,8 +20,8 @@ struct ViewSettings {
 std::vector<stage::Camera> views_around(const voctree::VOctree& clip, const ViewSettings& settings);
 
 // Writes folder/images/cNN_fNNN.png, the performer before grey, and last folder/transforms_train.json. Returns false
-// where the caller stopped it; the folder then has no transforms. Throws InputError for settings that are out of range
-// and for a folder with images or key points, RuntimeFailure for what the machine cannot do.
+// where the caller stopped it; the folder then has no transforms. Throws InputError for settings that are out of range,
+// RuntimeFailure for what the machine cannot do.
 bool render_performer_views(const gpu::Device& device, const voctree::VOctree& clip,
                             const std::filesystem::path& folder, const ViewSettings& settings,
                             const CaptureProgress& progress);
