@@ -1,14 +1,10 @@
 // Watching: what both eyes see, and where the user stands.
 #include <fmt/format.h>
 
-#include <future>
-
 #include "edit/operations.h"
 #include "golden/golden.h"
 #include "render/stage_renderer.h"
 #include "support/gpu_test.h"
-#include "tools/ui/window_geometry.h"
-#include "viewer_window/hands.h"
 #include "xr/eye_camera.h"
 #include "xr_session/xr_session.h"
 
@@ -155,94 +151,6 @@ TEST_F(Watching, ItPlaysByTheDisplaysTime) {
     EXPECT_LT(difference(shown_at_the_end(40, 0), first + 10 * kPeriod_s), 1e-6) << "ten displays later";
     EXPECT_LT(difference(shown_at_the_end(30, 4), first + 4 * 2 * kPeriod_s), 1e-6)
         << "four frames took three displays each";
-}
-
-// How an image lies in the middle of a window, as large as fits: its scale, and its upper left corner in pixels of the
-// window.
-struct Fit {
-    double scale, left, top;
-};
-Fit fit_of(const media::Image& eye, const ui::WindowGeometry& window) {
-    const double scale = std::min(double(window.width) / eye.width, double(window.height) / eye.height);
-    return {scale, (window.width - scale * eye.width) / 2, (window.height - scale * eye.height) / 2};
-}
-
-// Whether an eye's image is shown in the middle of a window, as large as fits. Pixels of the window that lie outside
-// the screen are ignored. The middle of an image's pixel is up to half a pixel from the middle of a screen's pixel, so
-// the tolerance allows for a share of the neighbouring pixel.
-bool is_mirrored(const media::Image& eye, const media::Image& screen, const ui::WindowGeometry& window) {
-    const auto [scale, left, top] = fit_of(eye, window);
-    int max = 0;
-    for (uint32_t y = 4; y < eye.height; y += 8)
-        for (uint32_t x = 4; x < eye.width; x += 8) {
-            const auto at_x = static_cast<uint32_t>(left + scale * (x + 0.5)),
-                       at_y = static_cast<uint32_t>(top + scale * (y + 0.5));
-            if (at_x >= screen.width || at_y >= screen.height) continue;
-            for (int c = 0; c < 3; c++) max = std::max(max, std::abs(eye.at(x, y)[c] - screen.at(at_x, at_y)[c]));
-        }
-    return max <= 255 * 0.5 / scale + 1;
-}
-
-// What a window looks like that shows the image.
-media::Image image_of_window(const ui::WindowGeometry& window, const media::Image& eye) {
-    media::Image shown(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));
-    const auto [scale, left, top] = fit_of(eye, window);
-    for (uint32_t y = 0; y < shown.height; y++)
-        for (uint32_t x = 0; x < shown.width; x++) {
-            const double at_x = (x + 0.5 - left) / scale, at_y = (y + 0.5 - top) / scale;
-            if (at_x >= 0 && at_y >= 0 && at_x < eye.width && at_y < eye.height)
-                std::copy_n(eye.at(static_cast<uint32_t>(at_x), static_cast<uint32_t>(at_y)), 4, shown.at(x, y));
-        }
-    return shown;
-}
-
-TEST_F(Watching, AMirrorShowsTheLeftEye) {
-    if (const std::string missing = why_no_hands(); !missing.empty()) GTEST_SKIP() << missing;
-    const VirtualScreen screen(folder.path);
-    setenv("DISPLAY", screen.display().c_str(), 1);
-    XrScript script;
-    script.save(10);
-    script.end(14);
-    const XrRun plain = run(script);
-    const media::Image eye = plain.image(10, "left");
-    EXPECT_FALSE(is_mirrored(eye, screen.image(), {})) << "nothing is shown yet";
-    EXPECT_TRUE(is_mirrored(eye, image_of_window({}, eye), {}));
-    EXPECT_FALSE(is_mirrored(eye, image_of_window({}, plain.image(10, "right")), {})) << "the other eye is told apart";
-    script.json["time"] = "real";
-    script.end(80);
-    auto mirrored = std::async(std::launch::async, [&] { return run(script, {"--mirror"}); });
-    bool shown = false;
-    while (mirrored.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
-        shown = shown || is_mirrored(eye, screen.image(), {});
-    const XrRun run = mirrored.get();
-    expect_clean(run);
-    EXPECT_TRUE(same_pixels(eye, run.image(10, "left"))) << "the headset is shown the same";
-    EXPECT_TRUE(shown) << "the window does not show the left eye";
-}
-
-TEST_F(Watching, AMirrorShowsThePanel) {
-    if (const std::string missing = why_no_hands(); !missing.empty()) GTEST_SKIP() << missing;
-    const VirtualScreen screen(folder.path);
-    setenv("DISPLAY", screen.display().c_str(), 1);
-    XrScript script;
-    script.hand(0, "right", kRightHand, {3, 1, 0});
-    script.hand(0, "left", kLeftHand, {-3, 1, -4});
-    script.click(kReady, "left", "y/click");
-    script.save(20);
-    script.end(24);
-    const XrRun plain = run(script, {"--no-mask"});
-    expect_clean(plain);
-    const media::Image seen = plain.image(20, "left_seen");
-    EXPECT_FALSE(is_mirrored(plain.image(20, "left"), image_of_window({}, seen), {})) << "the panel is told apart";
-    script.json["time"] = "real";
-    script.end(90);
-    auto mirrored = std::async(std::launch::async, [&] { return run(script, {"--no-mask", "--mirror"}); });
-    bool shown = false;
-    while (mirrored.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
-        shown = shown || is_mirrored(seen, screen.image(), {});
-    const XrRun run = mirrored.get();
-    expect_clean(run);
-    EXPECT_TRUE(shown) << "the window does not show the panel";
 }
 
 TEST_F(Watching, TheStagePausesWhileNobodyWearsTheHeadset) {

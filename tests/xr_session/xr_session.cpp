@@ -135,7 +135,8 @@ void XrSession::write_settings(const std::string& json) const {
 
 XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& more, bool validate) {
     XrRun run;
-    run.out = folder.path / ("run" + std::to_string(++runs_));
+    run.out = next_out();
+    runs_++;
     std::filesystem::create_directories(run.out);
     const std::filesystem::path path = run.out / "script.json", log = run.out / "log.txt";
     std::ofstream(path) << script.text();

@@ -74,6 +74,8 @@ class XrSession : public testing::Test {
     // Runs the program with OpenXR's core validation layer (with_layer) and `--validate`; both report in XrRun::log.
     // Without `validate`, neither layer is there. Throws where the program hangs.
     XrRun run(const XrScript& script, const std::vector<std::string>& more = {}, bool validate = true);
+    // XrRun::out of the next run.
+    std::filesystem::path next_out() const { return folder.path / ("run" + std::to_string(runs_ + 1)); }
     // The middles of the panel's items (tracking space) after a run of the script, by name. That run has no validation
     // layers, which take half of the time: a run that presses those items draws the same panel, and is to be
     // expect_clean.
