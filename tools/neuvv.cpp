@@ -10,7 +10,7 @@ void group_by_task(const neuvv::tools::Command& app) {
     app.group_verbs("Watch and render", {"view", "xr", "render"});
     app.group_verbs("Stage, paint and cut", {"stage", "paint", "clip"});
     app.group_verbs("Publish and exchange", {"publish", "convert", "export", "import"});
-    app.group_verbs("Train with a performer", {"skeleton", "coach"});
+    app.group_verbs("Be coached by a performer", {"skeleton", "coach"});
     app.group_verbs("Look up", {"info", "devices"});
 }
 

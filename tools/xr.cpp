@@ -113,7 +113,7 @@ void add_xr(Command app, CommonOptions& common) {
         "--room", headset.room,
         "Show your own room in place of the set, where the headset can; performers' shadows fall on its floor");
     verb.add_option("--trainee", headset.trainee,
-                    "Train with the first performer that has a skeleton, by this motion instead of the wearer's: "
+                    "Be coached by the first performer that has a skeleton, by this motion instead of the wearer's: "
                     "vmc[:[HOST:]PORT], udp:[HOST:]PORT, or a recorded file");
     verb.add_option("--scale", headset.quality.scale,
                     "Rays a pixel along each side; otherwise as many as the refresh rate allows")
@@ -141,7 +141,7 @@ void add_xr(Command app, CommonOptions& common) {
          "  left stick up shows an arc, and lets you stand where it ends; sideways steps through time; right stick "
          "sideways turns you, up and down is the speed\n"
          "  A plays, B duplicates, X undoes, Y or the menu button shows the panel with all else\n"
-         "  the panel's page Train begins a session with the selected performer: what you do otherwise turns red\n\n"
+         "  the panel's page Coach begins a session with the selected performer: what you do otherwise turns red\n\n"
          "Examples:\n"
          "  neuvv xr --check\n"
          "  neuvv xr demo/stage.gltf --mirror\n"

@@ -6,9 +6,9 @@
 #include <cfloat>
 
 #include "headset/hands_at_a_stage.h"
+#include "tools/headset/coaching.h"
 #include "tools/headset/panel.h"
 #include "tools/headset/panel_surface.h"
-#include "tools/headset/training.h"
 #include "tools/ui/theme.h"
 
 namespace neuvv::test {
@@ -37,7 +37,7 @@ class PanelAtAStage : public HandsAtAStage {
         ImGui::NewFrame();
         headset::PanelStatus status;
         status.head = head;
-        headset::PanelResult result = headset::draw_panel(state, interaction, training, status);
+        headset::PanelResult result = headset::draw_panel(state, interaction, coaching, status);
         items = std::move(result.items);
         cut_off = std::move(result.cut_off);
         if (!result.open.empty()) opened = result.open;
@@ -72,7 +72,7 @@ class PanelAtAStage : public HandsAtAStage {
         return count;
     }
 
-    headset::Training training = headset::Training(jobs);
+    headset::Coaching coaching = headset::Coaching(jobs);
     std::map<std::string, glm::dvec2> items;  // of the panel that was drawn last
     std::vector<std::string> cut_off;         // labels that do not fit their buttons
     std::filesystem::path opened;             // what was chosen last to be opened

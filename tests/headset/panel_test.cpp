@@ -120,7 +120,7 @@ TEST_F(PanelRows, ItsTextCanBeReadAndFitsItsButtons) {
         items_with(node("ben"));
         expect_fitting("a page");
     }
-    for (const HandTool tool : {HandTool::kPaint, HandTool::kRegion, HandTool::kLights, HandTool::kTrain}) {
+    for (const HandTool tool : {HandTool::kPaint, HandTool::kRegion, HandTool::kLights, HandTool::kCoach}) {
         state.tool = tool;
         expect_fitting("a tool");
     }
@@ -153,7 +153,7 @@ TEST_F(PanelRows, WhoSitsIsRaisedAndTheSoundHasAVolume) {
 
 TEST_F(PanelRows, EveryItemIsOnThePanel) {
     for (const auto selected : {std::optional<uint32_t>(), std::optional(node("ben"))})
-        for (const HandTool tool : {HandTool::kArrange, HandTool::kPaint, HandTool::kRegion, HandTool::kTrain})
+        for (const HandTool tool : {HandTool::kArrange, HandTool::kPaint, HandTool::kRegion, HandTool::kCoach})
             for (const PanelPage page : kPages) {
                 state.tool = tool;
                 state.page = page;

@@ -19,7 +19,7 @@ namespace neuvv::headset {
 struct HeadsetOptions {
     std::filesystem::path file;
     std::string device;
-    std::string trainee;  // the address of a motion::PoseSource with which training begins at once; empty: none
+    std::string trainee;  // the address of a motion::PoseSource with which coaching begins at once; empty: none
     EyeQuality quality;
     std::optional<double> refresh_hz;
     xr::ViewChoice views = xr::ViewChoice::kAsOffered;

@@ -15,7 +15,7 @@
 
 namespace neuvv::headset {
 
-enum class HandTool { kArrange, kPaint, kRegion, kLights, kTrain };
+enum class HandTool { kArrange, kPaint, kRegion, kLights, kCoach };
 inline bool paints(HandTool tool) {
     return tool == HandTool::kPaint || tool == HandTool::kRegion;
 }
@@ -80,7 +80,7 @@ struct HeadsetState : editor::StageState {
     double ahead_rad = 0;
     double floor_m = 0;               // height in the world: where user and performers stand
     double raised_m = 0;              // Comfort::raised_m as `rig` has it
-    std::optional<uint32_t> trainer;  // the performer with whom the user trains, while the stage has it
+    std::optional<uint32_t> trainer;  // the performer who coaches the user, while the stage has it
     HandTool tool = HandTool::kArrange;
     PanelPage page = PanelPage::kPerformer;
     edit::CopySettings copies{.count = 3};  // that the panel would make of the selected performer

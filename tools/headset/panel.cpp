@@ -6,10 +6,10 @@
 
 #include "edit/operations.h"
 #include "tools/headset/arrange.h"
+#include "tools/headset/coaching.h"
 #include "tools/headset/panel_rows.h"
 #include "tools/headset/performer_edits.h"
 #include "tools/headset/pictures.h"
-#include "tools/headset/training.h"
 #include "tools/ui/icons.h"
 
 namespace neuvv::headset {
@@ -44,7 +44,7 @@ void time_rows(Rows& rows) {
         clock.scrub(seconds);
     rows.record_item("time");
     ImGui::SameLine();
-    ImGui::BeginDisabled(rows.training.is_running());  // which has a speed of its own
+    ImGui::BeginDisabled(rows.coaching.is_running());  // which has a speed of its own
     auto speed = static_cast<float>(std::abs(clock.speed));
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##speed", &speed, 0.1f, 4, "speed %.2f", ImGuiSliderFlags_Logarithmic))
@@ -54,8 +54,8 @@ void time_rows(Rows& rows) {
 }
 
 void tool_row(Rows& rows) {
-    constexpr const char* kNames[] = {"arrange", "paint", "region", "lights", "train"};
-    const std::vector<const char*> labels = {"Arrange", "Paint", "Region", "Lights", "Train"};
+    constexpr const char* kNames[] = {"arrange", "paint", "region", "lights", "coach"};
+    const std::vector<const char*> labels = {"Arrange", "Paint", "Region", "Lights", "Coach"};
     const std::vector<float> widths = fitted_widths(labels);
     for (size_t i = 0; i < labels.size(); i++) {
         const auto which = static_cast<HandTool>(i);
@@ -288,7 +288,7 @@ void tool_rows(Rows& rows, bool busy) {
         return ImGui::EndDisabled();
     }
     if (rows.state.tool == HandTool::kPaint) return brush_rows(rows);
-    if (rows.state.tool == HandTool::kTrain) return training_rows(rows);
+    if (rows.state.tool == HandTool::kCoach) return coaching_rows(rows);
     if (rows.state.tool == HandTool::kArrange) page_row(rows);
     ImGui::BeginDisabled(busy && !(rows.state.tool == HandTool::kArrange && rows.state.page == PanelPage::kUser));
     if (rows.state.tool == HandTool::kRegion) region_rows(rows);
@@ -299,8 +299,8 @@ void tool_rows(Rows& rows, bool busy) {
 
 }  // namespace
 
-PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Training& training, const PanelStatus& status) {
-    Rows rows{state, interaction, training, status, {}};
+PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Coaching& coaching, const PanelStatus& status) {
+    Rows rows{state, interaction, coaching, status, {}};
     ImGui::SetNextWindowPos({0, 0});
     ImGui::SetNextWindowSize(ImGui::GetIO().DisplaySize);
     ImGui::SetNextWindowBgAlpha(1);

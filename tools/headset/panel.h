@@ -1,4 +1,4 @@
-// The content of the panel: time, the tools, the selected performer, lights, comfort, training.
+// The content of the panel: time, the tools, the selected performer, lights, comfort, coaching.
 #pragma once
 
 #include <map>
@@ -9,7 +9,7 @@
 
 namespace neuvv::headset {
 
-class Training;
+class Coaching;
 
 // What the user pressed that the panel does not do itself, and where its items are.
 struct PanelResult {
@@ -29,6 +29,6 @@ struct PanelStatus {
 };
 
 // To be called between ImGui::NewFrame() and Render(). The panel fills the whole display of ImGui.
-PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Training& training, const PanelStatus& status);
+PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Coaching& coaching, const PanelStatus& status);
 
 }  // namespace neuvv::headset

@@ -13,7 +13,7 @@ namespace neuvv::headset {
 struct Rows {
     HeadsetState& state;
     Interaction& interaction;
-    Training& training;
+    Coaching& coaching;
     const PanelStatus& status;
     PanelResult result;
     bool slider_held = false;  // whether a hand holds a slider that edits the document
@@ -49,8 +49,8 @@ void clip_rows(Rows& rows, const xr::Pose& head);
 void file_rows(Rows& rows);  // the stages and clips of a folder
 void keyboard_rows(Rows& rows);
 
-// The page of training with a performer.
-void training_rows(Rows& rows);
+// The page of coaching with a performer.
+void coaching_rows(Rows& rows);
 // The pages about the time and the copies of the selected performer.
 void performer_time_rows(Rows& rows);
 void copies_rows(Rows& rows);

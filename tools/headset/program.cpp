@@ -44,7 +44,7 @@ void Program::open() {
     state.clock.playing = options.play;
     if (options.room) state.wants_room = true;
     if (!options.trainee.empty())
-        training.begin(state, coach::read_trainer(*state.stage, ""), motion::open_pose_source(options.trainee));
+        coaching.begin(state, coach::read_trainer(*state.stage, ""), motion::open_pose_source(options.trainee));
     state.evaluate();
     saver.emplace(state.editor, jobs);
     saver->autosave.opened(std::move(recovered));
@@ -87,7 +87,7 @@ bool Program::open_next() {
     }
     interaction.release_all(state);
     interaction.painter.clear_region();
-    training.end(state);
+    coaching.end(state);
     opened = next->path;
     saver->autosave.opened();
     state.editor.open(std::move(*next->document), false);
@@ -150,7 +150,7 @@ void write_report(const Program& program) {
                           {"heading_deg", glm::degrees(xr::yaw_of(head.rotation))}};
     }
     report["room"] = program.room == xr::RoomView::kNone ? "hidden" : xr::title_of(program.room);
-    report["train"] = program.training.facts();
+    report["coach"] = program.coaching.facts();
     if (const auto performer = program.state.selected_performer())
         report["selected"] = program.state.stage->performers[*performer].name;
     for (const int role : {xr::kLeft, xr::kRight}) {

@@ -11,13 +11,13 @@
 #include "base/platform.h"
 #include "editor/document_saver.h"
 #include "editor/sound_player.h"
+#include "tools/headset/coaching.h"
 #include "tools/headset/headset.h"
 #include "tools/headset/interaction.h"
 #include "tools/headset/labels.h"
 #include "tools/headset/notice_plate.h"
 #include "tools/headset/settings.h"
 #include "tools/headset/standing.h"
-#include "tools/headset/training.h"
 #include "tools/ui/window.h"
 #include "xr/room.h"
 
@@ -38,7 +38,7 @@ struct Program {
     JobQueue jobs;
     editor::SoundPlayer sound;
     Interaction interaction = Interaction(jobs);
-    Training training = Training(jobs);
+    Coaching coaching = Coaching(jobs);
     HeadsetSettings settings = HeadsetSettings(config_folder().empty() ? "" : config_folder() / "headset.json");
     std::optional<editor::DocumentSaver> saver;
     std::vector<editor::Notice> notices;

@@ -26,10 +26,10 @@ std::vector<double> next_times(const editor::StageClock& clock) {
     return times;
 }
 
-// The wearer's body, where somebody trains with it.
+// The wearer's body, where it is compared.
 std::optional<motion::Pose> locate_body(Program& program, SessionContext& session, const xr::HandInputs& inputs,
                                         const std::optional<xr::Pose>& head, const xr::FrameTime& time) {
-    if (!program.training.needs_body()) return std::nullopt;
+    if (!program.coaching.needs_body()) return std::nullopt;
     if (!session.body) {
         session.body.emplace(session.xr_session, session.actions, session.hand_tracking);
         program.state.editor.notify(fmt::format("your body: {}", xr::title_of(session.body->source())));
@@ -103,12 +103,12 @@ void update_stage(Program& program, RuntimeContext& context, SessionContext& ses
     state.evaluate();
     context.update_solid(state);
     if (!program.start && program.head) enter_stage(program);
-    program.training.turn_trainer(state, dt_s);
+    program.coaching.turn_trainer(state, dt_s);
     if (program.head) {
         program.interaction.update(state, inputs, *program.head, dt_s, [&](std::span<const Ray> rays) {
             return context.find_surfaces(state.evaluated, rays);
         });
-        program.training.update(state, locate_body(program, session, inputs, head, time),
+        program.coaching.update(state, locate_body(program, session, inputs, head, time),
                                 xr::world_from_tracking(state.rig) * program.head->position);
     }
     if (program.head) play_sound(state, program.sound, *program.head);
@@ -129,7 +129,7 @@ void update_panel(Program& program, SessionContext& session, double dt_s) {
         return;  // hands have edited the document: its nodes do not match the stage
     const PanelPointer pointer = program.interaction.panel_pointer();
     session.panel.draw(pointer, dt_s,
-                       [&] { result = draw_panel(program.state, program.interaction, program.training, status); });
+                       [&] { result = draw_panel(program.state, program.interaction, program.coaching, status); });
     program.panel_items = result.items;
     if (result.save && !program.saver->saving()) program.saver->save(program.saver->default_path());
     if (result.save_as && !program.saver->saving()) {
@@ -212,7 +212,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     const auto head = session.xr_session.locate(session.xr_session.head_space(), time.display);
     session.shapes.begin(world * (head ? head->position : glm::dvec3(0)), session.eyes.pixel_rad());
     if (hides_room) draw_floor(session.shapes, state);
-    draw_guide(session.shapes, program.training.session().guide());
+    draw_guide(session.shapes, program.coaching.session().guide());
     draw_interaction(session.shapes, state, program.interaction);
     if (program.head) draw_labels(program, context, session, time, world * *program.head);
     for (const int hand : {xr::kLeft, xr::kRight})
@@ -225,7 +225,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     session.eyes.look_at(find_gaze(session, world, time));
     xr::EyeShade shade = program.interaction.locomotion.shade();
     if (!hides_room) shade.fade = 0;  // the user's own room does not jump
-    session.eyes.draw(*context.renderer, state.evaluated, program.training.session().highlight(), *eyes, world, next,
+    session.eyes.draw(*context.renderer, state.evaluated, program.coaching.session().highlight(), *eyes, world, next,
                       session.shapes, shade, kDrawShare * static_cast<double>(time.period) / 1e6);
     return true;
 }

@@ -31,10 +31,10 @@ class TrainerTurn {
     double by_rad_ = 0, passed_s_ = kTurn_s;
 };
 
-class Training {
+class Coaching {
   public:
     // `jobs` must outlive this object, or be stopped before it is destroyed.
-    explicit Training(JobQueue& jobs) : jobs_(jobs) {}
+    explicit Coaching(JobQueue& jobs) : jobs_(jobs) {}
 
     // Begins with the selected performer, or, where none is selected, the first that has a skeleton, and plays. A job
     // reads the skeleton; a notice says what is wrong with it. Poses come from the source of the session before, if

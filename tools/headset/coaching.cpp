@@ -1,4 +1,4 @@
-#include "tools/headset/training.h"
+#include "tools/headset/coaching.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,7 +47,7 @@ double TrainerTurn::angle_rad() const {
     return std::atan2(ahead.x, ahead.z);
 }
 
-void Training::begin(HeadsetState& state) {
+void Coaching::begin(HeadsetState& state) {
     const std::optional<uint32_t> selected = state.selected_performer();
     const std::string name = selected ? state.stage->performers[*selected].name : "";
     jobs_.start("Reading the trainer's skeleton", [this, &state, stage = state.stage, name]() -> JobQueue::Then {
@@ -58,17 +58,17 @@ void Training::begin(HeadsetState& state) {
     });
 }
 
-void Training::begin(HeadsetState& state, coach::Trainer trainer, std::unique_ptr<motion::PoseSource> source) {
+void Coaching::begin(HeadsetState& state, coach::Trainer trainer, std::unique_ptr<motion::PoseSource> source) {
     if (!is_running()) own_speed_ = state.clock.speed;
     session_.begin(std::move(trainer), std::move(source), settings);
     settings.mode = session_.coach().settings().mode;
     turn_ = {};
-    state.tool = HandTool::kTrain;
+    state.tool = HandTool::kCoach;
     if (settings.mode == coach::Mode::kPerform) state.clock.scrub(state.clock.in_s());
     if (!state.clock.playing) state.clock.play_or_pause();
 }
 
-void Training::end(HeadsetState& state) {
+void Coaching::end(HeadsetState& state) {
     if (!is_running()) return;
     source_ = session_.end();
     state.trainer.reset();
@@ -76,7 +76,7 @@ void Training::end(HeadsetState& state) {
     state.clock.speed = own_speed_;
 }
 
-void Training::turn_trainer(HeadsetState& state, double dt_s) {
+void Coaching::turn_trainer(HeadsetState& state, double dt_s) {
     now_s_ += dt_s;
     state.trainer.reset();
     if (!is_running()) return;
@@ -88,7 +88,7 @@ void Training::turn_trainer(HeadsetState& state, double dt_s) {
     state.evaluated.performers[*state.trainer].world_from_performer *= turn_.performer_from_turned();
 }
 
-void Training::update(HeadsetState& state, const std::optional<motion::Pose>& body, const glm::dvec3& head) {
+void Coaching::update(HeadsetState& state, const std::optional<motion::Pose>& body, const glm::dvec3& head) {
     if (!is_running()) return;
     head_ = head;
     if (settings.mode == coach::Mode::kPerform && session_.coach().settings().mode != settings.mode) {
@@ -103,7 +103,7 @@ void Training::update(HeadsetState& state, const std::optional<motion::Pose>& bo
     for (std::string& notice : session_.take_notices()) state.editor.notify(std::move(notice));
 }
 
-void Training::repeat_mistake(HeadsetState& state) {
+void Coaching::repeat_mistake(HeadsetState& state) {
     if (!is_running() || !session_.coach().last_mistake_s()) return;
     const auto at = session_.stage_time_of(*state.stage, *session_.coach().last_mistake_s(), state.clock.time_s());
     if (!at) return;
@@ -111,7 +111,7 @@ void Training::repeat_mistake(HeadsetState& state) {
     if (!state.clock.playing) state.clock.play_or_pause();
 }
 
-void Training::show_best_view() {
+void Coaching::show_best_view() {
     const std::optional<coach::Session::View> view = session_.best_view();
     if (!view) return;
     const glm::dmat4 turned_from_world = glm::inverse(session_.world_from_performer());
@@ -119,7 +119,7 @@ void Training::show_best_view() {
     turn_.show(turned(view->target), turned(view->eye), turned(head_));
 }
 
-nlohmann::json Training::facts() const {
+nlohmann::json Coaching::facts() const {
     if (!is_running()) return nullptr;
     const coach::Coach& coach = session_.coach();
     nlohmann::json red;

@@ -1,5 +1,5 @@
-// Training in the headset without one: the trainer's turn, the clock's speed, and the panel's page.
-#include "tools/headset/training.h"
+// Coaching in the headset without one: the trainer's turn, the clock's speed, and the panel's page.
+#include "tools/headset/coaching.h"
 
 #include <imgui.h>
 
@@ -12,8 +12,8 @@
 namespace neuvv::test {
 namespace {
 
+using headset::Coaching;
 using headset::TrainerTurn;
-using headset::Training;
 
 double heading(const glm::dvec3& direction) {
     return std::atan2(direction.x, direction.z);
@@ -57,76 +57,76 @@ TEST(TrainerTurnTest, ItTakesTheShorterWayAndStaysWhereThereIsNoHeading) {
     EXPECT_EQ(turn.angle_rad(), before);
 }
 
-struct TrainingTest : HandsAtAStage {
-    Training training{jobs};
+struct CoachingTest : HandsAtAStage {
+    Coaching coaching{jobs};
     glm::dvec3 world_head{0, 1.5, 0};
     motion::Pose body = standing_pose();
 
-    TrainingTest() {
+    CoachingTest() {
         motion::write_skeleton(folder.path / "figure.skeleton.glb", still_clip(standing_pose(), 2));
         state.clock.speed = 1.5;
     }
     void begin() {
-        training.begin(state);
+        coaching.begin(state);
         wait_for_begin();
     }
     void wait_for_begin() {
-        for (int i = 0; i < 5000 && !training.is_running(); i++) {
+        for (int i = 0; i < 5000 && !coaching.is_running(); i++) {
             jobs.run_posted();
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
-        ASSERT_TRUE(training.is_running());
+        ASSERT_TRUE(coaching.is_running());
     }
-    void train(double seconds) {
+    void perform(double seconds) {
         constexpr double kStep_s = 0.02;
         for (double t = 0; t < seconds; t += kStep_s) {
             jobs.run_posted();
             state.clock.tick(kStep_s);
             state.evaluate();
-            training.turn_trainer(state, kStep_s);
-            training.update(state, body, world_head);
+            coaching.turn_trainer(state, kStep_s);
+            coaching.update(state, body, world_head);
         }
     }
-    double red(motion::Limb limb) const { return training.session().coach().red()[motion::index_of(limb)]; }
+    double red(motion::Limb limb) const { return coaching.session().coach().red()[motion::index_of(limb)]; }
 };
 
-TEST_F(TrainingTest, ALimbThatIsOffIsRedAndTheClipWaits) {
+TEST_F(CoachingTest, ALimbThatIsOffIsRedAndTheClipWaits) {
     begin();
-    EXPECT_EQ(training.session().trainer_name(), "anna");
+    EXPECT_EQ(coaching.session().trainer_name(), "anna");
     EXPECT_TRUE(state.clock.playing);
-    train(1);
+    perform(1);
     EXPECT_EQ(red(motion::Limb::kLeftArm), 0);
     EXPECT_NEAR(state.clock.speed, 1, 1e-9);
     body = pose_with_arm_raised(60);
-    train(6);
+    perform(6);
     EXPECT_GT(red(motion::Limb::kLeftArm), 0.9);
     EXPECT_EQ(red(motion::Limb::kRightArm), 0);
     EXPECT_LT(state.clock.speed, 0.5);
-    EXPECT_FALSE(training.session().guide().empty());
-    EXPECT_TRUE(training.session().highlight().highlight);
-    training.end(state);
+    EXPECT_FALSE(coaching.session().guide().empty());
+    EXPECT_TRUE(coaching.session().highlight().highlight);
+    coaching.end(state);
     EXPECT_EQ(state.clock.speed, 1.5) << "as before";
-    EXPECT_TRUE(training.session().guide().empty());
-    EXPECT_FALSE(training.session().highlight().highlight);
+    EXPECT_TRUE(coaching.session().guide().empty());
+    EXPECT_FALSE(coaching.session().highlight().highlight);
     EXPECT_FALSE(state.editor.modified());
 }
 
-TEST_F(TrainingTest, ShowMeTurnsTheTrainerAndNothingElse) {
+TEST_F(CoachingTest, ShowMeTurnsTheTrainerAndNothingElse) {
     select(kBen);
     begin();
-    EXPECT_EQ(training.session().trainer_name(), "ben");
+    EXPECT_EQ(coaching.session().trainer_name(), "ben");
     state.evaluate();
     const glm::dmat4 anna = state.evaluated.performers[0].world_from_performer,
                      ben = state.evaluated.performers[1].world_from_performer;
     const xr::XrRig rig = state.rig;
     body = pose_with_arm_raised(60);
-    train(6);
-    ASSERT_TRUE(training.session().best_view());
+    perform(6);
+    ASSERT_TRUE(coaching.session().best_view());
     world_head = {-4, 1.5, -2.5};  // beside the trainer
-    train(0.1);
-    training.show_best_view();
-    train(TrainerTurn::kTurn_s + 0.1);
-    const auto view = training.session().best_view();
+    perform(0.1);
+    coaching.show_best_view();
+    perform(TrainerTurn::kTurn_s + 0.1);
+    const auto view = coaching.session().best_view();
     ASSERT_TRUE(view);
     EXPECT_NEAR(heading(view->eye - view->target), heading(world_head - view->target), 0.05);
     const stage::EvaluatedPerformer& turned = state.evaluated.performers[1];
@@ -135,32 +135,32 @@ TEST_F(TrainingTest, ShowMeTurnsTheTrainerAndNothingElse) {
     EXPECT_EQ(state.rig.position, rig.position);
     EXPECT_EQ(state.rig.yaw_rad, rig.yaw_rad);
     EXPECT_EQ(undo_all(), 0u);
-    training.end(state);
-    train(0.1);
+    coaching.end(state);
+    perform(0.1);
     EXPECT_EQ(state.evaluated.performers[1].world_from_performer, ben);
 }
 
-TEST_F(TrainingTest, EndAndBeginKeepTheTraineesSource) {
+TEST_F(CoachingTest, EndAndBeginKeepTheTraineesSource) {
     const std::string trainee = (folder.path / "trainee.skeleton.glb").string();
     motion::write_skeleton(trainee, still_clip(pose_with_arm_raised(60), 1000));
-    training.begin(state, coach::read_trainer(*state.stage, ""), motion::open_pose_source(trainee));
-    train(0.5);
-    ASSERT_TRUE(training.session().source());
-    const std::string name = training.session().source()->name();
-    training.end(state);
-    train(0.1);
-    EXPECT_FALSE(training.needs_body());
+    coaching.begin(state, coach::read_trainer(*state.stage, ""), motion::open_pose_source(trainee));
+    perform(0.5);
+    ASSERT_TRUE(coaching.session().source());
+    const std::string name = coaching.session().source()->name();
+    coaching.end(state);
+    perform(0.1);
+    EXPECT_FALSE(coaching.needs_body());
     begin();
-    ASSERT_TRUE(training.session().source());
-    EXPECT_EQ(training.session().source()->name(), name);
-    EXPECT_FALSE(training.needs_body()) << "the wearer is not the trainee";
-    train(6);
+    ASSERT_TRUE(coaching.session().source());
+    EXPECT_EQ(coaching.session().source()->name(), name);
+    EXPECT_FALSE(coaching.needs_body()) << "the wearer is not the trainee";
+    perform(6);
     EXPECT_GT(red(motion::Limb::kLeftArm), 0.9) << "it is compared again";
 }
 
-TEST_F(TrainingTest, ThePanelOpensBesideTheTrainerWhoIsNotSelected) {
+TEST_F(CoachingTest, ThePanelOpensBesideTheTrainerWhoIsNotSelected) {
     begin();
-    train(0.1);
+    perform(0.1);
     ASSERT_FALSE(state.editor.selected());
     head = {{0, 1.5, 0}, xr::turn_by(std::atan2(0.8, 2.0))};  // the user looks at anna
     inputs[xr::kLeft].menu = true;
@@ -181,38 +181,38 @@ TEST_F(TrainingTest, ThePanelOpensBesideTheTrainerWhoIsNotSelected) {
     EXPECT_LT(covered, 0) << glm::degrees(left) << " " << glm::degrees(right);
     EXPECT_LT(std::abs(left), glm::radians(50.0)) << "the panel is in view";
     EXPECT_LT(std::abs(right), glm::radians(50.0));
-    training.end(state);
+    coaching.end(state);
     EXPECT_FALSE(state.trainer);
 }
 
-TEST_F(TrainingTest, WithoutASkeletonANoticeSaysHowToMakeOne) {
+TEST_F(CoachingTest, WithoutASkeletonANoticeSaysHowToMakeOne) {
     std::filesystem::remove(folder.path / "figure.skeleton.glb");
-    training.begin(state);
+    coaching.begin(state);
     settle();
-    EXPECT_FALSE(training.is_running());
+    EXPECT_FALSE(coaching.is_running());
     EXPECT_TRUE(was_notified("neuvv skeleton extract"));
 }
 
-struct TrainingPage : TrainingTest {
+struct CoachingPage : CoachingTest {
     ImGuiContext* context = ImGui::CreateContext();
     headset::PanelResult seen;
 
-    TrainingPage() {
+    CoachingPage() {
         ImGuiIO& io = ImGui::GetIO();
         io.IniFilename = nullptr;
         io.DisplaySize = {960, 720};
         ui::apply_theme(1.75f);
         io.Fonts->Build();
-        state.tool = headset::HandTool::kTrain;
+        state.tool = headset::HandTool::kCoach;
         draw(false);
     }
-    ~TrainingPage() override { ImGui::DestroyContext(context); }
+    ~CoachingPage() override { ImGui::DestroyContext(context); }
 
     void draw(bool down) {
         ImGui::GetIO().DeltaTime = 1 / 90.0f;
         ImGui::GetIO().MouseDown[0] = down;
         ImGui::NewFrame();
-        seen = headset::draw_panel(state, interaction, training, {});
+        seen = headset::draw_panel(state, interaction, coaching, {});
         ImGui::Render();
     }
     void press(const std::string& item) {
@@ -223,8 +223,8 @@ struct TrainingPage : TrainingTest {
     }
 };
 
-TEST_F(TrainingPage, EachControlDoesWhatItSays) {
-    const coach::CoachSettings& settings = training.settings;
+TEST_F(CoachingPage, EachControlDoesWhatItSays) {
+    const coach::CoachSettings& settings = coaching.settings;
     press("perform");
     EXPECT_EQ(settings.mode, coach::Mode::kPerform);
     press("watch");
@@ -249,23 +249,23 @@ TEST_F(TrainingPage, EachControlDoesWhatItSays) {
     }
 }
 
-TEST_F(TrainingPage, ItBeginsRepeatsShowsAndEnds) {
-    press("begin training");
+TEST_F(CoachingPage, ItBeginsRepeatsShowsAndEnds) {
+    press("begin coaching");
     wait_for_begin();
     draw(false);
     body = pose_with_arm_raised(60);
-    train(6);
+    perform(6);
     draw(false);
     press("show me");
-    train(1);
-    EXPECT_NE(training.turn().angle_rad(), 0);
+    perform(1);
+    EXPECT_NE(coaching.turn().angle_rad(), 0);
     state.clock.pause();
     press("again");
     EXPECT_TRUE(state.clock.playing);
     const double lowest = seen.items["left arm"].y;
     EXPECT_LT(lowest, seen.items["undo"].y - 0.1) << "remarks have room";
-    press("end training");
-    EXPECT_FALSE(training.is_running());
+    press("end coaching");
+    EXPECT_FALSE(coaching.is_running());
     EXPECT_EQ(undo_all(), 0u);
 }
 

@@ -1,8 +1,8 @@
-// The panel's page of training with a performer: how the clip plays, what is shown, what counts, and what is off.
+// The panel's page of coaching with a performer: how the clip plays, what is shown, what counts, and what is off.
 #include <fmt/format.h>
 
+#include "tools/headset/coaching.h"
 #include "tools/headset/panel_rows.h"
-#include "tools/headset/training.h"
 #include "tools/ui/icons.h"
 
 namespace neuvv::headset {
@@ -19,24 +19,24 @@ constexpr ClipSpeed kClipSpeeds[] = {
     {1, "speed 1", "speed 1"}, {0.75, "speed 0.75", "0.75"}, {0.5, "speed 0.5", "0.5"}, {0.25, "speed 0.25", "0.25"}};
 
 void session_row(Rows& rows) {
-    Training& training = rows.training;
+    Coaching& coaching = rows.coaching;
     const float one = column_width(4);
-    if (!training.is_running()) {
-        if (rows.button("begin training", ICON_PLAY " Begin", one)) training.begin(rows.state);
-    } else if (rows.button("end training", ICON_STOP " End", one)) {
-        training.end(rows.state);
+    if (!coaching.is_running()) {
+        if (rows.button("begin coaching", ICON_PLAY " Begin", one)) coaching.begin(rows.state);
+    } else if (rows.button("end coaching", ICON_STOP " End", one)) {
+        coaching.end(rows.state);
     }
     for (size_t i = 0; i < std::size(kModeLabels); i++) {
         const auto mode = static_cast<coach::Mode>(i);
         ImGui::SameLine();
-        if (rows.button(coach::kModeNames[i], kModeLabels[i], one, training.settings.mode == mode))
-            training.settings.mode = mode;
+        if (rows.button(coach::kModeNames[i], kModeLabels[i], one, coaching.settings.mode == mode))
+            coaching.settings.mode = mode;
     }
 }
 
 void clip_speed_row(Rows& rows) {
     const float one = column_width(static_cast<int>(std::size(kClipSpeeds)));
-    double& speed = rows.training.settings.speed;
+    double& speed = rows.coaching.settings.speed;
     for (const ClipSpeed& each : kClipSpeeds) {
         if (&each != kClipSpeeds) ImGui::SameLine();
         if (rows.button(each.name, each.label, one, speed == each.speed)) speed = each.speed;
@@ -44,16 +44,16 @@ void clip_speed_row(Rows& rows) {
 }
 
 void view_row(Rows& rows) {
-    Training& training = rows.training;
-    coach::CoachSettings& settings = training.settings;
+    Coaching& coaching = rows.coaching;
+    coach::CoachSettings& settings = coaching.settings;
     constexpr const char* kAgain = ICON_LOOP " Again";
     const std::vector<float> widths = fitted_widths({kAgain, "Show me", "Mirrored", "Ghost", "Arrows"});
-    ImGui::BeginDisabled(!training.is_running() || !training.session().coach().last_mistake_s());
-    if (rows.button("again", kAgain, widths[0])) training.repeat_mistake(rows.state);
+    ImGui::BeginDisabled(!coaching.is_running() || !coaching.session().coach().last_mistake_s());
+    if (rows.button("again", kAgain, widths[0])) coaching.repeat_mistake(rows.state);
     ImGui::EndDisabled();
     ImGui::SameLine();
-    ImGui::BeginDisabled(!training.session().best_view());
-    if (rows.button("show me", "Show me", widths[1])) training.show_best_view();
+    ImGui::BeginDisabled(!coaching.session().best_view());
+    if (rows.button("show me", "Show me", widths[1])) coaching.show_best_view();
     ImGui::EndDisabled();
     ImGui::SameLine();
     rows.toggle("mirror image", "Mirrored", widths[2], settings.mirrored);
@@ -65,31 +65,31 @@ void view_row(Rows& rows) {
 
 // Which limbs count; those that are wrong are red.
 void limb_row(Rows& rows) {
-    const Training& training = rows.training;
-    const coach::LimbValues red = training.is_running() ? training.session().coach().red() : coach::LimbValues{};
+    const Coaching& coaching = rows.coaching;
+    const coach::LimbValues red = coaching.is_running() ? coaching.session().coach().red() : coach::LimbValues{};
     constexpr size_t kInARow = 3;
     const float one = column_width(kInARow);
     for (size_t i = 0; i < motion::kLimbs; i++) {
         if (i % kInARow > 0) ImGui::SameLine();
-        const bool counts = rows.training.settings.compare.counted[i], wrong = red[i] > 0.5;
+        const bool counts = rows.coaching.settings.compare.counted[i], wrong = red[i] > 0.5;
         if (wrong) ImGui::PushStyleColor(ImGuiCol_Button, kWrong);
         if (rows.button(motion::kLimbNames[i], motion::kLimbNames[i], one, counts && !wrong))
-            rows.training.settings.compare.counted[i] = !counts;
+            rows.coaching.settings.compare.counted[i] = !counts;
         if (wrong) ImGui::PopStyleColor();
     }
 }
 
-void feedback_text(const Training& training) {
-    if (!training.is_running())
+void feedback_text(const Coaching& coaching) {
+    if (!coaching.is_running())
         return ImGui::TextWrapped(
             "Select a performer with a skeleton by the tool Arrange, or take the first one, and perform along with "
             "it.");
-    const coach::Coach& coach = training.session().coach();
-    ImGui::Text("%s", training.session().trainer_name().c_str());
+    const coach::Coach& coach = coaching.session().coach();
+    ImGui::Text("%s", coaching.session().trainer_name().c_str());
     ImGui::SameLine();
     if (coach.settings().mode == coach::Mode::kWatch) return ImGui::TextDisabled("nothing is compared");
     if (!coach.ghost()) {
-        const motion::PoseSource* const source = training.session().source();
+        const motion::PoseSource* const source = coaching.session().source();
         return ImGui::TextWrapped("nobody is seen: %s",
                                   source ? source->advice().c_str() : "hold the hands where the headset sees them");
     }
@@ -103,12 +103,12 @@ void feedback_text(const Training& training) {
 
 }  // namespace
 
-void training_rows(Rows& rows) {
+void coaching_rows(Rows& rows) {
     session_row(rows);
     clip_speed_row(rows);
     view_row(rows);
     limb_row(rows);
-    feedback_text(rows.training);
+    feedback_text(rows.coaching);
 }
 
 }  // namespace neuvv::headset

@@ -1,4 +1,4 @@
-// Training with a performer in the headset: what turns red, the ghost, and what the panel's page does.
+// Coaching with a performer in the headset: what turns red, the ghost, and what the panel's page does.
 #include "coach/guide.h"
 #include "golden/golden.h"
 #include "motion/skeleton_file.h"
@@ -15,10 +15,10 @@ using nlohmann::json;
 constexpr uint32_t kClipFrames = 100;  // at 25 a second
 
 // Anna has a skeleton, and stands with her arms spread.
-struct Training : XrSession {
+struct Coaching : XrSession {
     std::string trainee = (folder.path / "trainee.skeleton.glb").string();
 
-    Training() {
+    Coaching() {
         voctree::write_nvv(clip, standing_tree(kClipFrames));
         motion::write_skeleton(folder.path / "figure.skeleton.glb", still_clip(standing_pose(), kClipFrames));
         motion::write_skeleton(trainee, still_clip(pose_with_arm_raised(60), 1000));
@@ -53,7 +53,7 @@ struct Training : XrSession {
         }
         return body;
     }
-    static double red(const XrRun& run, const char* limb) { return run.seen["train"]["red"][limb]; }
+    static double red(const XrRun& run, const char* limb) { return run.seen["coach"]["red"][limb]; }
 };
 
 // The number of pixels of about this colour (sRGB, 0..1).
@@ -76,21 +76,21 @@ size_t redder_pixels(const media::Image& a, const media::Image& b) {
     return count;
 }
 
-TEST_F(Training, AnArmThatIsOffIsRedAndTheGhostIsSeen) {
+TEST_F(Coaching, AnArmThatIsOffIsRedAndTheGhostIsSeen) {
     XrScript script;
     script.json["profile"] = "";  // no hands in the image
     script.save(130);
     script.end(132);
-    const XrRun plain = run(script, {"--play"}), trained = run(script, {"--trainee", trainee});
-    expect_clean(trained);
-    EXPECT_TRUE(plain.seen["train"].is_null());
-    EXPECT_EQ(trained.seen["train"]["trainer"], "anna");
-    EXPECT_GT(red(trained, "left arm"), 0.9) << trained.seen.dump(1);
-    for (const char* limb : {"trunk", "head", "right arm", "right leg", "left leg"}) EXPECT_EQ(red(trained, limb), 0);
-    EXPECT_TRUE(trained.seen["train"]["remarks"][0].get<std::string>().starts_with("left arm"));
-    EXPECT_EQ(trained.seen["train"]["mode"], "perform") << "a recorded trainee does not wait for the clip";
-    EXPECT_EQ(trained.seen["modified"], false);
-    const media::Image with = trained.image(130, "left"), without = plain.image(130, "left");
+    const XrRun plain = run(script, {"--play"}), coached = run(script, {"--trainee", trainee});
+    expect_clean(coached);
+    EXPECT_TRUE(plain.seen["coach"].is_null());
+    EXPECT_EQ(coached.seen["coach"]["trainer"], "anna");
+    EXPECT_GT(red(coached, "left arm"), 0.9) << coached.seen.dump(1);
+    for (const char* limb : {"trunk", "head", "right arm", "right leg", "left leg"}) EXPECT_EQ(red(coached, limb), 0);
+    EXPECT_TRUE(coached.seen["coach"]["remarks"][0].get<std::string>().starts_with("left arm"));
+    EXPECT_EQ(coached.seen["coach"]["mode"], "perform") << "a recorded trainee does not wait for the clip";
+    EXPECT_EQ(coached.seen["modified"], false);
+    const media::Image with = coached.image(130, "left"), without = plain.image(130, "left");
     EXPECT_GT(redder_pixels(with, without), 40u);
     for (const coach::GuideKind kind :
          {coach::GuideKind::kGhost, coach::GuideKind::kGhostWrong, coach::GuideKind::kArrow}) {
@@ -98,16 +98,16 @@ TEST_F(Training, AnArmThatIsOffIsRedAndTheGhostIsSeen) {
         EXPECT_GT(pixels_of(with, colour), 10u) << static_cast<int>(kind);
         EXPECT_EQ(pixels_of(without, colour), 0u) << static_cast<int>(kind);
     }
-    EXPECT_EQ(check_golden("xr_training", with), "");
+    EXPECT_EQ(check_golden("xr_coaching", with), "");
 }
 
-TEST_F(Training, ThePanelBeginsItWithTheWearersBodyAndTurnsTheTrainer) {
+TEST_F(Coaching, ThePanelBeginsItWithTheWearersBodyAndTurnsTheTrainer) {
     with_layer = false;
     const XrScript opened = with_body_and_panel(pose_with_arm_raised(60));
     XrScript script = opened;
-    press(script, 12, panel_after(opened, 14), "train");
+    press(script, 12, panel_after(opened, 14), "coach");
     const json items = panel_after(script, 24);
-    press(script, 24, items, "begin training");
+    press(script, 24, items, "begin coaching");
     XrScript watching = script;
     watching.save(190);
     watching.end(192);
@@ -115,7 +115,7 @@ TEST_F(Training, ThePanelBeginsItWithTheWearersBodyAndTurnsTheTrainer) {
     expect_clean(before);
     EXPECT_GT(red(before, "left arm"), 0.9) << before.seen.dump(1) << before.log;
     EXPECT_EQ(red(before, "right arm"), 0);
-    EXPECT_EQ(before.seen["train"]["trainer_turned_deg"], 0);
+    EXPECT_EQ(before.seen["coach"]["trainer_turned_deg"], 0);
 
     press(script, 192, items, "show me");
     script.save(250);
@@ -125,25 +125,25 @@ TEST_F(Training, ThePanelBeginsItWithTheWearersBodyAndTurnsTheTrainer) {
     const XrRun turned = run(script);
     EXPECT_EQ(turned.code, 0) << turned.log;
     EXPECT_EQ(turned.report["violations"], json::array());
-    EXPECT_GT(red(turned, "left arm"), 0.9) << "training outlives a lost session";
+    EXPECT_GT(red(turned, "left arm"), 0.9) << "coaching outlives a lost session";
     const size_t first = turned.log.find("your body: "), second = turned.log.find("your body: ", first + 1);
     EXPECT_NE(second, std::string::npos) << "which has a tracker of its own: " << turned.log;
-    const double angle_deg = turned.seen["train"]["trainer_turned_deg"];
+    const double angle_deg = turned.seen["coach"]["trainer_turned_deg"];
     EXPECT_GT(std::abs(angle_deg), 5);
     EXPECT_EQ(turned.seen["turned_deg"], before.seen["turned_deg"]) << "the user stays";
     EXPECT_FALSE(same_pixels(turned.image(250, "left"), before.image(190, "left"), 30));
     EXPECT_EQ(turned.seen["modified"], false);
 
-    press(ended, 252, items, "begin training");  // where it says End now
+    press(ended, 252, items, "begin coaching");  // where it says End now
     ended.end(266);
     const XrRun after = run(ended);
     expect_clean(after);
-    EXPECT_TRUE(after.seen["train"].is_null());
+    EXPECT_TRUE(after.seen["coach"].is_null());
     EXPECT_EQ(after.seen["speed"], 1) << "the clock's own";
 }
 
 // On the wrist, the panel is held before the trainer.
-TEST_F(Training, APanelThatIsNearerHidesTheGhost) {
+TEST_F(Coaching, APanelThatIsNearerHidesTheGhost) {
     write_settings(R"({"hands": {"hints": false}, "panel": {"onWrist": true}})");
     XrScript script;
     script.hand(0, "left", {0, 0.95, -0.6}, {0, 0.95, -2});
@@ -151,9 +151,9 @@ TEST_F(Training, APanelThatIsNearerHidesTheGhost) {
     script.click(kReady, "left", "y/click");
     script.save(40);
     script.end(42);
-    const XrRun plain = run(script, {"--play"}), trained = run(script, {"--trainee", trainee});
-    expect_clean(trained);
-    const media::Image without = plain.image(40, "left"), with = trained.image(40, "left");
+    const XrRun plain = run(script, {"--play"}), coached = run(script, {"--trainee", trainee});
+    expect_clean(coached);
+    const media::Image without = plain.image(40, "left"), with = coached.image(40, "left");
     size_t hole = 0, drawn = 0, beside = 0;
     for (size_t i = 3; i < with.rgba.size(); i += 4) {
         hole += without.rgba[i] == 0;
@@ -166,7 +166,7 @@ TEST_F(Training, APanelThatIsNearerHidesTheGhost) {
     EXPECT_GT(beside, 0u) << "they are seen beside it";
 }
 
-TEST_F(Training, ASourceThatCannotBeOpenedIsALine) {
+TEST_F(Coaching, ASourceThatCannotBeOpenedIsALine) {
     XrScript script;
     script.end(6);
     const XrRun run = this->run(script, {"--trainee", (folder.path / "nobody.jsonl").string()});
