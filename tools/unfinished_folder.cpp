@@ -31,9 +31,9 @@ std::vector<std::filesystem::path> captured_files(const std::filesystem::path& f
 }  // namespace
 
 UnfinishedFolder::UnfinishedFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
-    prepare_results("--output", folder_, {kFiles[1], kFiles[2]});
+    prepare_results("--output", folder_, {std::begin(kFiles), std::end(kFiles)});
     std::error_code error;
-    for (const char* name : {kFolders[0], kFolders[2]})
+    for (const char* name : kFolders)
         if (std::filesystem::exists(folder_ / name, error) && !std::filesystem::is_empty(folder_ / name, error))
             expect_replaceable("--output", folder_ / name);
     std::filesystem::remove_all(path(), error);  // of a program that was killed

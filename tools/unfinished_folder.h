@@ -9,8 +9,8 @@ namespace neuvv::tools {
 // The folder `unfinished` in the folder of the capture. It is removed at the end.
 class UnfinishedFolder {
   public:
-    // Throws InputError where the folder holds a capture, other images or key points, unless --overwrite says that it
-    // is replaced.
+    // Throws InputError where the folder holds a file of a capture, other images, plates or key points, unless
+    // --overwrite says that it is replaced.
     explicit UnfinishedFolder(std::filesystem::path folder);
     UnfinishedFolder(const UnfinishedFolder&) = delete;
     UnfinishedFolder& operator=(const UnfinishedFolder&) = delete;

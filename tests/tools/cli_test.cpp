@@ -229,8 +229,9 @@ TEST_F(Cli, AFailedCommandLeavesNoFolder) {
 
 // Without a device, so that nothing is drawn.
 TEST_F(Cli, WhatIsThereIsKept) {
-    std::filesystem::create_directories(file("cap/images"));
-    for (const char* name : {"x.mp4", "o_0003.png", "x.nvs", "x.gltf", "cap/images/mine.png"})
+    for (const char* name : {"cap/images", "rig", "room/plates"}) std::filesystem::create_directories(file(name));
+    for (const char* name :
+         {"x.mp4", "o_0003.png", "x.nvs", "x.gltf", "cap/images/mine.png", "rig/skeleton.glb", "room/plates/c00.png"})
         write_text(file(name), name);
     const std::string model = NEUVV_SOURCE_DIR "/tools/performer/performer.glb";
     const std::vector<std::vector<std::string>> commands = {{"render", scene, "-o", file("x.mp4")},
@@ -241,6 +242,9 @@ TEST_F(Cli, WhatIsThereIsKept) {
                                                             {"stage", "new", file("x.gltf")},
                                                             {"skeleton", "import", model, "-o", file("x.glb")},
                                                             {"capture", model, "-o", file("cap")},
+                                                            {"capture", model, "-o", file("rig")},
+                                                            {"capture", model, "-o", file("room")},
+                                                            {"skeleton", "views", scene, "-o", file("cap")},
                                                             {"train", file("data"), "-o", scene}};
     write_text(file("x.glb"), "x.glb");
     for (const std::vector<std::string>& command : commands) {
