@@ -70,7 +70,7 @@ std::vector<std::string> check_json(Source& source) {
     try {
         root = nlohmann::json::parse(text);
     } catch (const nlohmann::json::exception& error) {
-        throw InputError(source.file, "", fmt::format("JSON: {}", error.what()));
+        refuse_json(source.file, error.what());
     }
     if (!root.is_object())
         throw InputError(source.file, "", "is neither a .glb nor a JSON object", "give a glTF 2.0 file");

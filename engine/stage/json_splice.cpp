@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/json.h"
 
 namespace neuvv::stage {
 
@@ -314,6 +315,13 @@ void expect_shallow_json(std::string_view text, const std::string& file) {
     }
 }
 
+void refuse_json(const std::string& file, std::string_view message) {
+    const size_t code_end = message.find("] ");  // "[json.exception.…] what is wrong"
+    const size_t begin = code_end == std::string_view::npos ? 0 : code_end + 2;
+    throw InputError(file, "", fmt::format("JSON: {}", message.substr(begin, 2 * kMaxQuoted)),
+                     "write it as JSON in UTF-8");
+}
+
 ordered_json parse_document(std::string_view text, const std::string& file) {
     expect_shallow_json(text, file);
     std::vector<std::set<std::string>> keys(kMaxJsonNesting + 2);  // of the open object at each depth
@@ -332,7 +340,7 @@ ordered_json parse_document(std::string_view text, const std::string& file) {
     try {
         return ordered_json::parse(text, check);
     } catch (const ordered_json::exception& error) {
-        throw InputError(file, "", fmt::format("JSON: {}", error.what()), "write it as JSON in UTF-8");
+        refuse_json(file, error.what());
     }
 }
 

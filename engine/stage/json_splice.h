@@ -21,6 +21,10 @@ constexpr size_t kMaxJsonMembers = 4096;
 // recurses as deep as the text nests.
 void expect_shallow_json(std::string_view text, const std::string& file);
 
+// Throws InputError of what nlohmann's parser says is wrong with a document: its first words, as it may quote a whole
+// document.
+[[noreturn]] void refuse_json(const std::string& file, std::string_view message);
+
 // Parses a document. Throws InputError naming `file` where the text is not JSON or not UTF-8, nests too deep, has an
 // object of too many members, or has a member of one object twice, where programs differ in which of the two they take.
 nlohmann::ordered_json parse_document(std::string_view text, const std::string& file);

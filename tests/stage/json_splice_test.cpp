@@ -147,10 +147,17 @@ TEST(JsonSplice, WhatMayBeReadInTwoWaysIsRefused) {
     };
     refused(R"({"a":1,"b":{"c":1,"c":2}})", {"my.gltf", "\"c\"", "twice"});
     refused("{\"a\":\"\xff\"}", {"my.gltf", "UTF-8"});
-    refused(R"({"a":1)", {"my.gltf", "JSON"});
+    refused(R"({"a":1)", {"my.gltf", "JSON: parse error at line 1"});
     refused("", {"my.gltf"});
     refused(R"({"a":1e999})", {"my.gltf"});
     refused(std::string(100000, '['), {"my.gltf", "deeper"});
+    const std::string cut_off = "{\"a\":\"" + std::string(100000, 'A');  // as an embedded buffer may be
+    try {
+        stage::parse_document(cut_off, "my.gltf");
+        ADD_FAILURE();
+    } catch (const InputError& error) {
+        EXPECT_LT(std::string(error.what()).size(), 400u);
+    }
     EXPECT_NO_THROW(stage::parse_document(R"([{"a":1},{"a":2,"b":{"a":3}}])", "f"));
 }
 
