@@ -55,6 +55,8 @@ std::string text_of(CURLcode code, const std::string& text) {
             return "this is no address of a file on a web server";
         case CURLE_WEIRD_SERVER_REPLY:
             return "what answers there is no web server";
+        case CURLE_WRITE_ERROR:  // by Answer::take
+            return "the server sends more than it was asked for";
         case CURLE_TOO_MANY_REDIRECTS:
             return "the server redirects from one address to the next";
         case CURLE_GOT_NOTHING:

@@ -47,6 +47,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
         if mode == "other-range":
             first += 1
         part = data if mode == "whole" else data[first : last + 1]
+        if mode == "more":
+            part += b"more"
         if mode == "damaged-second" and count == 2:
             part = bytes([part[0] ^ 1]) + part[1:]
         if mode == "damaged":

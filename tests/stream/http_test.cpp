@@ -120,6 +120,7 @@ TEST_F(HttpTest, SaysWhatIsWrongWithAServer) {
     expect_refused("file", "cannot be read");
     expect_refused("whole", "not by ranges");
     expect_refused("other-range", "another range");
+    expect_refused("more", "sends more than it was asked for");
     expect_refused("changed", "was changed");
     expect_refused("damaged", "damaged");
     server.reset();
