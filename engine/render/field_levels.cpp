@@ -51,7 +51,7 @@ double between_rays_m(const Field& field, const stage::Camera& camera, const glm
 }
 
 // Then a cell has a density for each frame, which can cover what its leaves cover there. Where frames share bases it
-// cannot, and levels look worse than the finest leaves (engine/README.md).
+// cannot, and levels look worse than the finest leaves (engine/render/README.md).
 bool has_basis_for_each_frame(const voctree::VOctree& tree) {
     return voctree::basis_entries(tree.sigma_basis, tree.bases).size() <= tree.frames;
 }
