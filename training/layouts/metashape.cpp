@@ -244,16 +244,20 @@ class Cameras {
                       "merge the components in Metashape, or disable the cameras of all but one");
         if (!world) return;
         pose = placed(*world, pose);
-        if (!chunk_.has_local_coordinates && glm::length(glm::dvec3(pose[3])) > kEarthScale_m)
-            node.fail("stands further than 1000 km from the origin, as geocentric cameras do",
+        const bool geocentric = !chunk_.has_local_coordinates && glm::length(glm::dvec3(pose[3])) > kEarthScale_m;
+        if (found_.empty()) geocentric_ = geocentric;
+        if (geocentric != geocentric_)
+            node.fail("stands on the earth where cameras before it stand at its centre, or the reverse",
                       "choose Local Coordinates in the chunk's reference settings, and export again");
-        pose = glm::dmat4(kYUpFromZUp) * pose;
+        if (!geocentric) pose = glm::dmat4(kYUpFromZUp) * pose;
     }
 
     void describe(size_t cameras) {
-        rig_.world = placed_ ? "metres; +Y up, turned from Metashape's +Z up"
-                             : "Metashape's own unit and axes, as the chunk has no reference: set a scale bar and "
-                               "markers there, else the way up and the size are arbitrary";
+        rig_.world = geocentric_ ? "metres; geocentric axes (ECEF), so that no axis is up: for +Z up, choose Local "
+                                   "Coordinates in the chunk's reference settings, and export again"
+                     : placed_   ? "metres; +Y up, turned from Metashape's +Z up"
+                                 : "Metashape's own unit and axes, as the chunk has no reference: set a scale bar and "
+                                   "markers there, else the way up and the size are arbitrary";
         if (found_.size() < cameras)
             rig_.remarks.push_back(
                 fmt::format("{} of {} cameras of Metashape are disabled or not aligned, and are left out",
@@ -271,7 +275,8 @@ class Cameras {
     std::map<std::string, XmlNode> by_id_;  // the enabled cameras
     size_t placed_by_rig_ = 0;
     std::set<std::string> components_;
-    bool placed_ = false;  // whether the cameras' place in a world in metres is known
+    bool geocentric_ = false;  // whether they are in coordinates of the whole earth
+    bool placed_ = false;      // whether the cameras' place in a world in metres is known
 };
 
 }  // namespace

@@ -162,6 +162,33 @@ TEST_F(Metashape, ScaledCopiesAreTakenAndCropsRefused) {
     expect_input_error([&] { read(); }, {"64×40", "64×48", "another shape"});
 }
 
+// In coordinates of the whole earth, which have no axis that is up, nothing is turned.
+TEST_F(Metashape, GeocentricCamerasAreMovedToTheOriginAndNotTurned) {
+    const training::Rig turned = read();
+    transform =
+        "<transform><rotation>0 -1 0 1 0 0 0 0 1</rotation><translation>4000010.25 3000020 4500030</translation>"
+        "<scale>2</scale></transform>";
+    const training::Rig rig = read();
+    ASSERT_EQ(rig.cameras.size(), 2u);
+    EXPECT_EQ(rig.frame.unit, 1);
+    EXPECT_LT(glm::length(glm::dvec3(rig.cameras[0].world_from_camera[3])), 100);
+    const glm::dvec3 middle = rig.frame.to_capture(glm::dvec3(rig.cameras[0].world_from_camera[3]));
+    const glm::dvec3 expected = glm::dvec3(4000010.25, 3000020, 4500030) + 2.0 * glm::dvec3(-2, 1, 3);
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(middle[i], expected[i], 1e-8) << i;
+        EXPECT_EQ(rig.frame.origin[i], std::round(rig.frame.origin[i]));
+        const glm::dvec3 axis(rig.cameras[0].world_from_camera[i]), of_turned(turned.cameras[0].world_from_camera[i]);
+        EXPECT_EQ(axis, glm::dvec3(of_turned.x, -of_turned.z, of_turned.y)) << "without +Z up to +Y up";
+    }
+    EXPECT_NE(rig.world.find("geocentric"), std::string::npos) << rig.world;
+    EXPECT_NE(rig.world.find("Local Coordinates"), std::string::npos) << rig.world;
+
+    more_cameras =
+        "<camera id=\"3\" sensor_id=\"4\" component_id=\"0\" label=\"core\"><transform>1 0 0 -1.5e6 0 1 0 2e6 0 0 1 "
+        "-2.25e6 0 0 0 1</transform></camera>";
+    expect_input_error([&] { read(); }, {"cameras.xml", "Local Coordinates"});
+}
+
 TEST_F(Metashape, WhatNoLensHasIsRefusedByName) {
     constexpr auto calibration = &Metashape::lens;
     expect_bad(calibration, "<f>90</f><k4>0.1</k4>", {"cameras.xml", "calibration, line 6", "k4", "optimise"});
@@ -174,8 +201,6 @@ TEST_F(Metashape, WhatNoLensHasIsRefusedByName) {
     expect_bad(&Metashape::type, "spherical", {"spherical", "undistorted"});
     expect_bad(&Metashape::second_chunk, "<chunk/>", {"2 chunks"});
     expect_bad(&Metashape::second_chunk, "<chunk>", {"cameras.xml", "no XML"});
-    expect_bad(&Metashape::transform, "<transform><translation>4e6 3e6 4e6</translation></transform>",
-               {"geocentric", "Local Coordinates"});
     expect_bad(&Metashape::transform, "<transform><scale>0</scale></transform>", {"transform, line 7", "scale"});
     expect_bad(&Metashape::more_cameras, "<camera label=\"a\" sensor_id=\"4\"><transform>1 2</transform></camera>",
                {"16 numbers"});
