@@ -73,6 +73,7 @@ class Clip {
         say_starts();
         cut_ends();
         for (size_t v = 0; v < videos.size(); ++v) say_gaps(v);
+        say_jumps();
     }
     ClipTimes take() { return std::move(result_); }
 
@@ -174,6 +175,27 @@ class Clip {
         for (const auto& [moment, count] : seen_by_)
             if (!has.contains(moment)) gaps.push_back(moment);
         if (!gaps.empty()) result_.texts.emplace_back(videos_[v].name, "no image at " + frames_text(gaps));
+    }
+
+    // Moments that no video shows are no frames of the clip.
+    void say_jumps() {
+        std::vector<std::string> jumps;
+        size_t left = 0;
+        int64_t next = seen_by_.begin()->first;  // the moment behind the one before
+        for (const auto& [moment, count] : seen_by_) {
+            if (moment > next && jumps.size() == kMaxGaps)
+                ++left;
+            else if (moment > next + 1)
+                jumps.push_back(
+                    fmt::format("{:.2f} s (frames {} to {})", static_cast<double>(next) / rate(), next, moment - 1));
+            else if (moment > next)
+                jumps.push_back(fmt::format("{:.2f} s (frame {})", static_cast<double>(next) / rate(), next));
+            next = moment + 1;
+        }
+        if (!jumps.empty())
+            result_.remarks.push_back(fmt::format("no camera has an image at {}{}: the clip jumps there",
+                                                  fmt::join(jumps, ", "),
+                                                  left ? fmt::format(" and at {} more times", left) : ""));
     }
 
     const std::vector<ClipVideo>& videos_;

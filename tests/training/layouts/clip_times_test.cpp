@@ -48,6 +48,17 @@ TEST(ClipTimes, DroppedFramesAreGapsWithNames) {
     EXPECT_EQ(said(clip), "b: no image at frames 2, 5 to 7\n");
 }
 
+TEST(ClipTimes, WhereNoCameraHasAnImageTheClipJumps) {
+    const ClipTimes clip =
+        training::clip_times({video("a", 25, 20, 0, {3, 12, 13, 14, 17}), video("b", 25, 20, 0, {12, 13, 14, 17, 18})});
+    EXPECT_EQ(clip.frames[0].back(), 19);
+    EXPECT_EQ(said(clip),
+              "a: no image at frame 3\nb: no image at frame 18\n"
+              "no camera has an image at 0.48 s (frames 12 to 14), 0.68 s (frame 17): the clip jumps there\n");
+    const ClipTimes often = training::clip_times({video("a", 25, 41, 0, {1, 5, 9, 13, 17, 21, 25, 29, 33, 37})});
+    EXPECT_NE(said(often).find("1.16 s (frame 29) and at 2 more times: the clip"), std::string::npos) << said(often);
+}
+
 TEST(ClipTimes, TheRateIsThatOfMostAndOfEquallyManyTheLower) {
     const ClipTimes tie = training::clip_times({video("a", 25, 10), video("b", 50, 20)});
     EXPECT_EQ(tie.fps, 25);
