@@ -149,6 +149,7 @@ class Follower {
 // Poses of a file or of stdin, by their own times and as fast as they come. Returns how many lines were left out.
 size_t follow_lines(LineReader& lines, const std::string& name, Follower& follower) {
     constexpr int kWait_ms = 100;
+    motion::FirstPerson person;
     std::string line;
     size_t number = 0, bad = 0;
     while (!stop_requested()) {
@@ -158,7 +159,9 @@ size_t follow_lines(LineReader& lines, const std::string& name, Follower& follow
         ++number;
         if (line.empty()) continue;
         try {
-            const motion::TimedPose pose = motion::read_pose_line(line, fmt::format("{}: line {}", name, number));
+            const std::string place = fmt::format("{}: line {}", name, number);
+            const motion::TimedPose pose = motion::read_pose_line(line, place);
+            person.expect(pose, place);
             if (follower.ended(pose.time_s)) break;
             follower.add(pose);
         } catch (const InputError& error) {  // a stream goes on

@@ -36,7 +36,10 @@ class LineSource : public PoseSource {
         ++number_;
         if (line_.empty()) return;
         try {
-            stream_.add(read_pose_line(line_, fmt::format("{}: line {}", name_, number_)), now_s);
+            const std::string place = fmt::format("{}: line {}", name_, number_);
+            const TimedPose pose = read_pose_line(line_, place);
+            person_.expect(pose, place);
+            stream_.add(pose, now_s);
         } catch (const InputError& error) {
             stream_.leave_out(error.what());
         }
@@ -44,6 +47,7 @@ class LineSource : public PoseSource {
 
     LineReader reader_;
     PoseStream stream_;
+    FirstPerson person_;
     std::string name_, line_;
     uint64_t number_ = 0;  // of the last line
 };

@@ -19,6 +19,52 @@ constexpr double kSilence_s = 2;    // after which another sender may go on
 constexpr double kPatience_s = 1;   // in which a body may come in parts, or from another sender
 constexpr size_t kMostSenders = 8;  // that are heard before one of them sends a body
 
+// Which port of a machine is followed, where two programs there send bodies at the same time: the one from which bodies
+// came again first. A program that takes another port for each packet, or that begins anew, is none of two.
+class Ports {
+  public:
+    // Of a packet with a body, or a part of one. Throws InputError where it is of another program than the one that is
+    // followed. Returns whether what came before may be of others, and does not count any more.
+    bool add(uint16_t port, double now_s, const std::string& stream) {
+        if (follows_other(port))
+            throw InputError(
+                stream, fmt::format("port {}", port),
+                fmt::format("sends another body than port {} of the same machine, which is followed", *followed_),
+                "let one of the two programs send elsewhere");
+        const bool replaces = followed_ && *followed_ != port;
+        if (replaces) followed_.reset();
+        if (replaces) recent_.clear();
+        last_ = port;
+        const auto known = std::ranges::find(recent_, port, &Recent::port);
+        const bool again = known != recent_.end();
+        if (again) recent_.erase(known);
+        recent_.push_back({port, now_s});
+        if (recent_.size() > kMostPrograms) recent_.erase(recent_.begin(), recent_.end() - kMostPrograms);
+        if (followed_ || !again || recent_.size() == kMostPrograms) return replaces;
+        followed_ = port;
+        const bool mixed = recent_.size() > 1;
+        recent_ = {{port, now_s}};
+        return mixed;
+    }
+    bool follows_other(uint16_t port) const { return followed_ && *followed_ != port && !recent_.empty(); }
+    // Whether a packet without a body may tell of the body.
+    bool counts(uint16_t port) const { return followed_ ? *followed_ == port : recent_.size() > 1 || last_ == port; }
+    // No more packets wait: only now is known from where nothing came.
+    void end(double now_s) {
+        std::erase_if(recent_, [&](const Recent& one) { return now_s - one.heard_s > kAtOnce_s; });
+    }
+
+  private:
+    struct Recent {
+        uint16_t port = 0;
+        double heard_s = 0;
+    };
+    static constexpr double kAtOnce_s = 0.5;    // in which a program that sends has sent
+    static constexpr size_t kMostPrograms = 4;  // as many ports are those of one program, which always takes another
+    std::optional<uint16_t> followed_, last_;
+    std::vector<Recent> recent_;  // the newest at the end; where one is followed, that one, unless it is silent
+};
+
 // The packets of one sender.
 class PacketReader {
   public:
@@ -31,18 +77,20 @@ class PacketReader {
 };
 
 // Programs without a body, as trackers of faces, send their status to the same port: it says nothing of the body that
-// another program sends. A program may send from another port each time.
+// another program sends.
 class VmcReader : public PacketReader {
   public:
     explicit VmcReader(std::string name) : name_(std::move(name)) {}
-    bool read(std::span<const uint8_t> packet, uint16_t port, double, PoseStream&) override {
-        const bool is_of_body = port_ && (*port_ == port || !steady_);
-        if (!body_.read(packet, name_, is_of_body)) return false;
-        steady_ = !port_ || *port_ == port;
-        port_ = port;
+    bool read(std::span<const uint8_t> packet, uint16_t port, double now_s, PoseStream&) override {
+        VmcBody other;
+        VmcBody& body = ports_.follows_other(port) ? other : body_;
+        if (!body.read(packet, name_, ports_.counts(port)) || !ports_.add(port, now_s, name_)) return false;
+        body_ = {};
+        body_.read(packet, name_);
         return false;
     }
     bool end(double now_s, PoseStream& stream) override {
+        ports_.end(now_s);
         const auto poses = body_.take(name_);
         if (poses) stream.add_untimed(poses->newest, now_s, poses->count);
         return poses.has_value();
@@ -51,23 +99,29 @@ class VmcReader : public PacketReader {
   private:
     std::string name_;
     VmcBody body_;
-    std::optional<uint16_t> port_;  // from which bones came last
-    bool steady_ = true;            // they came from it before
+    Ports ports_;
 };
 
 class JsonReader : public PacketReader {
   public:
     explicit JsonReader(std::string name) : name_(std::move(name)) {}
-    bool read(std::span<const uint8_t> packet, uint16_t, double now_s, PoseStream& stream) override {
+    bool read(std::span<const uint8_t> packet, uint16_t port, double now_s, PoseStream& stream) override {
         const TimedPose pose = read_pose_line({packet.begin(), packet.end()}, name_);
+        person_.expect(pose, name_);
+        ports_.add(port, now_s, name_);
         has_body_ = has_body_ || std::ranges::any_of(pose.pose, [](const auto& joint) { return joint.confidence > 0; });
         if (has_body_) stream.add(pose, now_s);  // later, nobody may be seen
         return has_body_;
     }
-    bool end(double, PoseStream&) override { return false; }
+    bool end(double now_s, PoseStream&) override {
+        ports_.end(now_s);
+        return false;
+    }
 
   private:
     std::string name_;
+    FirstPerson person_;
+    Ports ports_;
     bool has_body_ = false;
 };
 

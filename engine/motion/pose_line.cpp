@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "base/error.h"
 #include "base/json.h"
 
@@ -10,11 +12,17 @@ namespace neuvv::motion {
 namespace {
 
 constexpr double kMostSeconds = 1e9, kFarthest_m = 1e4;
+constexpr double kAbsent_s = 2;  // after which another person may go on
 
 size_t joint_of_name(const std::string& name, const JsonNode& node) {
     for (size_t j = 0; j < kJoints; ++j)
         if (name == info_of(joint_at(j)).name) return j;
     node.fail(fmt::format("\"{}\" is no joint", name.substr(0, 40)), "use the names of engine/motion/README.md");
+}
+
+std::string read_person_name(const JsonNode& node) {
+    if (node.value.is_number_integer()) return node.value.dump();
+    return json_string(node).substr(0, 40);
 }
 
 JointSample read_joint(const JsonNode& node) {
@@ -42,6 +50,7 @@ TimedPose read_pose_line(const std::string& line, const std::string& stream) {
     if (!joints.value.is_object()) joints.fail_type("an object");
     for (const auto& [name, value] : joints.value.items())
         result.pose[joint_of_name(name, joints)] = read_joint(joints[name.c_str()]);
+    if (root.has("person")) result.person = read_person_name(root["person"]);
     if (root.has("estimated")) {
         const JsonNode estimated = root["estimated"];
         if (!estimated.value.is_array()) estimated.fail_type("a list");
@@ -63,6 +72,17 @@ std::string pose_line(const TimedPose& timed) {
     nlohmann::ordered_json json = {{"time", timed.time_s}, {"joints", joints}};
     if (!estimated.empty()) json["estimated"] = estimated;
     return json.dump();
+}
+
+void FirstPerson::expect(const TimedPose& pose, const std::string& stream) {
+    const auto name = [](const std::string& person) {
+        return person.empty() ? "a person without a name" : fmt::format("\"{}\"", person);
+    };
+    if (first_ && *first_ != pose.person && std::abs(pose.time_s - seen_s_) <= kAbsent_s)
+        throw InputError(stream, "person",
+                         fmt::format("is {}, and {}, who came first, is followed", name(pose.person), name(*first_)));
+    first_ = pose.person;
+    seen_s_ = pose.time_s;
 }
 
 }  // namespace neuvv::motion

@@ -42,11 +42,15 @@ class PoseReplay : public PoseSource {
   private:
     void read_lines(const std::filesystem::path& file) {
         Words words(file);
+        FirstPerson person;
         std::string line;
         for (size_t number = 1; words.line(line); ++number) {
             if (line.empty()) continue;
             try {
-                add(read_pose_line(line, fmt::format("{}: line {}", name_, number)), number);
+                const std::string place = fmt::format("{}: line {}", name_, number);
+                const TimedPose pose = read_pose_line(line, place);
+                person.expect(pose, place);
+                add(pose, number);
             } catch (const InputError& error) {
                 if (state_.left_out++ == 0) state_.first_error = error.what();
             }

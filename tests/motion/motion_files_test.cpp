@@ -289,6 +289,7 @@ TEST(PoseLine, RefusesWhatIsNoPose) {
     refuses("{\"time\": 1, \"joints\": {\"nose\": [0, 1e300, 0]}}", {"joints.nose[1]"});
     refuses("{\"time\": 1, \"joints\": {\"nose\": [0, 1, 0, 2]}}", {"joints.nose[3]", "confidence"});
     refuses("{\"time\": 1, \"joints\": {}, \"estimated\": [\"tail\"]}", {"tail"});
+    refuses("{\"time\": 1, \"joints\": {}, \"person\": [1]}", {"person", "string"});
     refuses(std::string(100000, ' '), {"64 KiB"});
 }
 

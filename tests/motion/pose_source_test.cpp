@@ -12,6 +12,7 @@
 
 #include "base/udp_socket.h"
 #include "motion/detector.h"
+#include "motion/line_source.h"
 #include "motion/senders.h"
 #include "motion/skeleton_file.h"
 #include "support/input_error.h"
@@ -206,6 +207,92 @@ TEST_F(PoseSourceOnPort, AnotherPortIsNoOtherSender) {
         EXPECT_TRUE(vmc->newest(i));
     }
     EXPECT_EQ(vmc->state().left_out, 0u);
+}
+
+// Two programs on one machine, which both send again and again: the bodies are never mixed.
+TEST_F(PoseSourceOnPort, OfTwoBodiesOfOneMachineTheFirstCounts) {
+    const test::UdpTransmitter near;
+    std::vector<test::VmcPart> other = t_pose(9);
+    other.push_back({"/VMC/Ext/Bone/Pos", "UpperChest", {5, 5, 5, 0, 0, 0, 1}});  // a bone that the first one lacks
+    const std::vector<test::VmcPart> parts = t_pose(1);
+    for (int i = 0; i < 20; ++i) {
+        SCOPED_TRACE(i);
+        // Bone by bone, as some programs send, from the second frame on in turns.
+        for (size_t p = 0; p < other.size(); ++p) {
+            if (p < parts.size()) first.send(test::vmc_packet(parts[p]), port_of(*vmc));
+            if (i > 0) near.send(test::vmc_packet(other[p]), port_of(*vmc));
+        }
+        const auto pose = vmc->newest(0.03 * i);
+        ASSERT_TRUE(pose);
+        EXPECT_NEAR(at(pose->pose, Joint::kPelvis).position.x, -1, 1e-6);
+        EXPECT_NEAR(at(pose->pose, Joint::kLeftWrist).position.x, -1 + 0.7, 1e-6);
+        send(i, 1);
+        near.send(line_of(i + 0.5, 2), port_of(*json));
+        EXPECT_TRUE(i == 0 || nose_of(json->newest(0.03 * i)) == 1);
+    }
+    EXPECT_EQ(vmc->state().left_out, 19 * other.size());
+    for (const PoseSource* source : {vmc.get(), json.get()})
+        EXPECT_NE(source->state().first_error.find("sends another body than port"), std::string::npos)
+            << source->state().first_error;
+    // The first program has ended.
+    near.send(test::vmc_bundle(other), port_of(*vmc));
+    vmc->newest(1.5);
+    near.send(test::vmc_bundle(other), port_of(*vmc));
+    const auto pose = vmc->newest(1.6);
+    ASSERT_TRUE(pose);
+    EXPECT_NEAR(at(pose->pose, Joint::kPelvis).position.x, -9, 1e-6);
+    // And the second one, too, of which nothing is left: hips alone are no body.
+    near.send(test::vmc_bundle(other), port_of(*vmc));
+    vmc->newest(1.7);
+    vmc->newest(2.5);
+    first.send(test::vmc_bundle({parts[0]}), port_of(*vmc));
+    EXPECT_FALSE(vmc->newest(2.6));
+}
+
+// A program that takes another port for each packet, some of them again.
+TEST_F(PoseSourceOnPort, AProgramMayTakePortsAgain) {
+    const std::array<test::UdpTransmitter, 6> ports;
+    for (int i = 0; i < 60; ++i) {
+        const test::UdpTransmitter& port = ports[static_cast<size_t>(i < 6 ? i : (i * i) % 6)];
+        port.send(test::vmc_bundle(t_pose(static_cast<float>(i))), port_of(*vmc));
+        const auto pose = vmc->newest(0.03 * i);
+        ASSERT_TRUE(pose) << i;
+        EXPECT_NEAR(at(pose->pose, Joint::kPelvis).position.x, -i, 1e-5);
+    }
+    EXPECT_EQ(vmc->state().left_out, 0u);
+}
+
+TEST_F(PoseSourceOnPort, OfTwoPersonsInLinesTheFirstCounts) {
+    const auto line = [](double time_s, double x, const std::string& person) {
+        std::string text = line_of(time_s, x);
+        return text.insert(1, "\"person\":" + person + ",");
+    };
+    const TemporaryFolder folder;
+    std::string lines;
+    for (int i = 0; i < 10; ++i)
+        for (const char* person : {"\"anna\"", "7"}) {
+            const std::string one = line(0.1 * i, *person == '7' ? 2 : 1, person);
+            first.send(one, port_of(*json));
+            lines += one + "\n";
+            EXPECT_EQ(nose_of(json->newest(0.1 * i)) == 1, *person != '7');
+        }
+    const std::string file = (folder.path / "two.jsonl").string();
+    write_text(file, lines);
+    const auto recorded = open_pose_source(file);
+    int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    const auto piped = motion::read_lines_of_poses(descriptor, "pipe");
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(nose_of(recorded->newest(0.1 * i + 1e-6)), 1);
+    EXPECT_EQ(nose_of(piped->newest(1)), 1);
+    close(descriptor);
+    for (const PoseSource* source : {json.get(), recorded.get(), piped.get()}) {
+        EXPECT_EQ(source->state().left_out, 10u);
+        EXPECT_NE(source->state().first_error.find("person: is \"7\", and \"anna\", who came first, is followed"),
+                  std::string::npos)
+            << source->state().first_error;
+    }
+    // Who came first has gone.
+    first.send(line(3.5, 2, "7"), port_of(*json));
+    EXPECT_EQ(nose_of(json->newest(3.5)), 2);
 }
 
 // A tracker of faces, on the same machine or another one, and a program that sends the body.
