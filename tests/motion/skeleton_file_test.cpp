@@ -4,6 +4,7 @@
 
 #include "motion/detector.h"
 #include "motion/humanoid.h"
+#include "stage/glb_writer.h"
 #include "stage/gltf_scene.h"
 #include "stage/pose.h"
 #include "support/input_error.h"
@@ -110,6 +111,88 @@ TEST(ModelMotion, FindsJointsInBonesAndSkin) {
     EXPECT_GT(glm::length(foot), 0.15);
     EXPECT_LT(glm::length(foot), 0.35);
     EXPECT_NEAR(test::height_of(clip), 1.7, 0.15);
+}
+
+struct VrmBone {
+    const char* name;
+    int parent;
+    glm::dvec3 from_parent;
+};
+// A T-pose, whose left side is at +x.
+const std::vector<VrmBone> kVrmBones = {{"hips", -1, {0, 1, 0}},
+                                        {"spine", 0, {0, 0.3, 0}},
+                                        {"head", 1, {0, 0.3, 0}},
+                                        {"leftUpperArm", 1, {0.15, 0.2, 0}},
+                                        {"leftLowerArm", 3, {0.3, 0, 0}},
+                                        {"leftHand", 4, {0.25, 0, 0}},
+                                        {"rightUpperArm", 1, {-0.15, 0.2, 0}},
+                                        {"rightLowerArm", 6, {-0.3, 0, 0}},
+                                        {"rightHand", 7, {-0.25, 0, 0}},
+                                        {"leftUpperLeg", 0, {0.1, 0, 0}},
+                                        {"leftLowerLeg", 9, {0, -0.45, 0}},
+                                        {"leftFoot", 10, {0, -0.45, 0}},
+                                        {"rightUpperLeg", 0, {-0.1, 0, 0}},
+                                        {"rightLowerLeg", 12, {0, -0.45, 0}},
+                                        {"rightFoot", 13, {0, -0.45, 0}}};
+
+// A body whose left arm sinks to the side within a second. The nodes' names say nothing, or the wrong thing.
+stage::GlbWriter vrm_body() {
+    stage::GlbWriter glb;
+    nlohmann::ordered_json nodes = nlohmann::ordered_json::array();
+    for (size_t i = 0; i < kVrmBones.size(); ++i) {
+        const glm::dvec3& at = kVrmBones[i].from_parent;
+        nodes.push_back({{"name", "joint " + std::to_string(7 * i % 15)}, {"translation", {at.x, at.y, at.z}}});
+        if (kVrmBones[i].parent >= 0) nodes[static_cast<size_t>(kVrmBones[i].parent)]["children"].push_back(i);
+    }
+    nodes[5]["name"] = "rightHand";
+    nodes[8]["name"] = "leftHand";
+    glb.json["nodes"] = nodes;
+    glb.json["scenes"] = {{{"nodes", {0}}}};
+    const size_t times = glb.add_times({0, 1});
+    const float half = std::sqrt(0.5f);
+    const size_t turns = glb.add(std::vector<float>{0, 0, 0, 1, 0, 0, -half, half}, "VEC4", 4, stage::kGltfFloat);
+    nlohmann::ordered_json animation;
+    stage::add_gltf_channel(animation, times, turns, 3, "rotation");
+    glb.json["animations"] = {animation};
+    return glb;
+}
+
+void expect_arm_sinks(const std::filesystem::path& file) {
+    const motion::SkeletonClip clip = motion::read_skeleton(file);
+    ASSERT_EQ(clip.frames.size(), 11u);  // of the least rate
+    const auto place = [&](size_t frame, Joint joint) { return motion::at(clip.frames[frame], joint).position; };
+    test::expect_near(place(0, Joint::kLeftWrist), {0.7, 1.5, 0}, 1e-6);
+    test::expect_near(place(10, Joint::kLeftElbow), {0.15, 1.2, 0}, 1e-6);
+    test::expect_near(place(10, Joint::kLeftWrist), {0.15, 0.95, 0}, 1e-6);
+    test::expect_near(place(10, Joint::kRightWrist), {-0.7, 1.5, 0}, 1e-6);
+    test::expect_near(place(10, Joint::kRightAnkle), {-0.1, 0.1, 0}, 1e-6);
+    EXPECT_GT(place(0, Joint::kNose).y, 1.6);
+}
+
+TEST(ModelMotion, OfVrm0AndVrm1GoesByTheirMapOfBones) {
+    const TemporaryFolder folder;
+    stage::GlbWriter glb = vrm_body();
+    nlohmann::ordered_json of_vrm0 = nlohmann::ordered_json::array(), of_vrm1;
+    for (size_t i = 0; i < kVrmBones.size(); ++i) {
+        of_vrm0.push_back({{"bone", kVrmBones[i].name}, {"node", i}, {"useDefaultValues", true}});
+        of_vrm1[kVrmBones[i].name] = {{"node", i}};
+    }
+    glb.write(folder.path / "bare.vrm", "");
+    expect_input_error([&] { motion::read_skeleton(folder.path / "bare.vrm"); }, {"bare.vrm"});
+    glb.json["extensions"]["VRM"] = {{"specVersion", "0.0"}, {"humanoid", {{"humanBones", of_vrm0}}}};
+    glb.json["extensionsUsed"] = {"VRM"};
+    glb.write(folder.path / "0.vrm", "");
+    expect_arm_sinks(folder.path / "0.vrm");
+    for (const char* extension : {"VRMC_vrm", "VRMC_vrm_animation"}) {
+        glb.json["extensions"] = {{extension, {{"specVersion", "1.0"}, {"humanoid", {{"humanBones", of_vrm1}}}}}};
+        glb.json["extensionsUsed"] = {extension};
+        glb.write(folder.path / "1.vrm", "");
+        expect_arm_sinks(folder.path / "1.vrm");
+    }
+    // Nodes that are not there are passed over.
+    glb.json["extensions"]["VRMC_vrm_animation"]["humanoid"]["humanBones"]["neck"] = {{"node", 99}};
+    glb.write(folder.path / "1.vrma", "");
+    expect_arm_sinks(folder.path / "1.vrma");
 }
 
 TEST(Humanoid, KnowsNamesOfManyPrograms) {
