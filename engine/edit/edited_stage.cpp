@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "base/error.h"
 #include "base/file_lock.h"
 #include "base/platform.h"
 #include "edit/paint_layers.h"
@@ -30,6 +31,37 @@ std::optional<std::vector<uint8_t>> theirs_at(const Document& document, const st
     return bytes;
 }
 
+// Whether the file of a layer has other paint than it had when it was read, and than the layer has now.
+bool is_foreign(const Document& document, const PaintLayers::value_type& layer) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(layer.first, ignored)) return false;
+    const auto saved = document.saved_paint.find(layer.first);
+    try {
+        const std::vector<voctree::LeafEdit> now = voctree::read_paint(layer.first, layer.second->field).edits;
+        return now != layer.second->edits && (saved == document.saved_paint.end() || now != saved->second->edits);
+    } catch (const InputError&) {
+        return true;  // it is of another clip, or damaged
+    }
+}
+
+std::filesystem::path theirs_path(const std::filesystem::path& of) {
+    return free_path(of.parent_path() / (of.stem().string() + "-theirs" + of.extension().string()));
+}
+
+void copy_atomically(const std::filesystem::path& from, const std::filesystem::path& to) {
+    const std::vector<uint8_t> bytes = read_file(from);
+    write_file_atomically(to, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
+}
+
+// Of a layer at the path `of`, of which `file` is a segment where they differ.
+void keep_theirs(const std::filesystem::path& of, const std::filesystem::path& file, std::vector<KeptVersion>& kept) {
+    if (kept.empty() || kept.back().of != of) kept.push_back({of, theirs_path(of)});  // segments follow each other
+    const std::filesystem::path& as = kept.back().as;
+    if (file == of) return copy_atomically(file, as);
+    std::filesystem::create_directories(as);
+    copy_atomically(file, as / file.filename());
+}
+
 }  // namespace
 
 bool same_document(const Document& a, const Document& b) {
@@ -49,20 +81,23 @@ std::shared_ptr<const voctree::EditLayer> open_paint(Document& document, const s
     return layer;
 }
 
-std::optional<std::filesystem::path> save_document(Document& document, const std::filesystem::path& path) {
+std::vector<KeptVersion> save_document(Document& document, const std::filesystem::path& path) {
     stage::expect_sound_document(document.file);
     const std::set<std::filesystem::path> used = used_layers(document.file);
+    std::vector<KeptVersion> kept;
     for (const auto& layer : document.paint) {
         const bool is_in_folder = used.contains(layer.first.parent_path());
         if (!(is_in_folder || used.contains(layer.first)) || is_saved(document, layer)) continue;
+        const std::filesystem::path of = is_in_folder ? layer.first.parent_path() : layer.first;
+        const EditLock lock(of);
+        if (is_foreign(document, layer)) keep_theirs(of, layer.first, kept);
         (is_in_folder ? voctree::write_segment_paint : voctree::write_paint)(layer.first, *layer.second);
         document.saved_paint[layer.first] = layer.second;
     }
-    std::optional<std::filesystem::path> kept;
     const EditLock lock(path);
     if (const auto theirs = theirs_at(document, path)) {
-        kept = free_path(path.parent_path() / (path.stem().string() + "-theirs" + path.extension().string()));
-        write_file_atomically(*kept, [&](const ByteSink& sink) { sink(theirs->data(), theirs->size()); });
+        kept.push_back({path, theirs_path(path)});
+        write_file_atomically(kept.back().as, [&](const ByteSink& sink) { sink(theirs->data(), theirs->size()); });
     }
     stage::save_stage_file(document.file, path);
     document.disk_is_foreign = false;
@@ -77,11 +112,12 @@ std::filesystem::path free_path(const std::filesystem::path& preferred) {
     return path;
 }
 
-std::string saved_text(const std::filesystem::path& path, const std::optional<std::filesystem::path>& theirs) {
-    const std::string saved = fmt::format("saved {}", path.string());
-    if (!theirs) return saved;
-    return fmt::format("{}; another program had changed it: its version is kept as {}", saved,
-                       theirs->filename().string());
+std::string saved_text(const std::filesystem::path& path, const std::vector<KeptVersion>& kept) {
+    std::string text = fmt::format("saved {}", path.string());
+    for (const KeptVersion& one : kept)
+        text += fmt::format("; another program had changed {}: its version is kept as {}",
+                            one.of == path ? "it" : one.of.filename().string(), one.as.filename().string());
+    return text;
 }
 
 }  // namespace neuvv::edit

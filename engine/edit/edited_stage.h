@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "stage/stage_file.h"
 #include "voctree/paint.h"
@@ -38,16 +38,21 @@ std::filesystem::path paint_path(const stage::StageFile& file, const std::string
 std::shared_ptr<const voctree::EditLayer> open_paint(Document& document, const std::filesystem::path& path,
                                                      const voctree::PaintedField& field);
 
+// The version of a file that another program had written: it is kept beside the file under a free name like
+// "stage-theirs.gltf". Of a layer in segments, both are folders, and the kept one has the segments that were changed.
+struct KeptVersion {
+    std::filesystem::path of, as;
+};
+
 // Writes the layers that performers of the stage use and that differ from the disk, then the stage to `path`, which
 // becomes the path of the file (save_stage_file). Each file is written atomically. Layers keep their paths, so stages
-// that share a layer share its edits. Where another program has written the stage's file since it was read, that
-// version is kept beside it under a free name like "stage-theirs.gltf", which is returned. Throws InputError for a
-// document that could not be loaded again (expect_sound_document), and RuntimeFailure where the disk fails; files that
-// were written by then stay written.
-std::optional<std::filesystem::path> save_document(Document& document, const std::filesystem::path& path);
+// that share a layer share its edits. Where another program has written one of these files since it was read, that
+// version is kept; those are returned. Throws InputError for a document that could not be loaded again
+// (expect_sound_document), and RuntimeFailure where the disk fails; files that were written by then stay written.
+std::vector<KeptVersion> save_document(Document& document, const std::filesystem::path& path);
 // The first of "stage.gltf", "stage-2.gltf", … that does not exist.
 std::filesystem::path free_path(const std::filesystem::path& preferred);
-// The message about a save: "saved stage.gltf", and what became of another program's version.
-std::string saved_text(const std::filesystem::path& path, const std::optional<std::filesystem::path>& theirs);
+// The message about a save: "saved stage.gltf", and what became of another program's versions.
+std::string saved_text(const std::filesystem::path& path, const std::vector<KeptVersion>& kept);
 
 }  // namespace neuvv::edit

@@ -118,8 +118,14 @@ void restore_layer(Document& document, const ordered_json& json, const RecoveryE
     const voctree::PaintedField field{hex_of(node["topology"]),
                                       static_cast<uint32_t>(json_count(node["leaves"], UINT32_MAX)),
                                       static_cast<uint32_t>(json_count(node["frames"], UINT32_MAX))};
-    document.paint[path_of(node["path"])] =
-        std::make_shared<const voctree::EditLayer>(voctree::read_paint(entry.folder / name, field));
+    const std::filesystem::path path = path_of(node["path"]);
+    document.paint[path] = std::make_shared<const voctree::EditLayer>(voctree::read_paint(entry.folder / name, field));
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return;
+    try {  // how the layer was when it was opened is not known
+        document.saved_paint[path] = std::make_shared<const voctree::EditLayer>(voctree::read_paint(path, field));
+    } catch (const InputError&) {  // saving keeps what is there
+    }
 }
 
 }  // namespace

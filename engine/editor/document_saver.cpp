@@ -37,9 +37,9 @@ void DocumentSaver::save(const std::filesystem::path& path, Done done) {
                 [this, document, path, id = editor_.id(), open_count = editor_.open_count(),
                  also = also_changed(*document, path), done = std::move(done)]() -> JobQueue::Then {
                     std::string problem;
-                    std::optional<std::filesystem::path> theirs;
+                    std::vector<edit::KeptVersion> kept;
                     try {
-                        theirs = edit::save_document(*document, path);
+                        kept = edit::save_document(*document, path);
                     } catch (const std::exception& error) {
                         problem = error.what();
                     }
@@ -48,7 +48,7 @@ void DocumentSaver::save(const std::filesystem::path& path, Done done) {
                         if (!problem.empty()) return editor_.notify(problem, true);
                         editor_.saved(*document, open_count, id);
                         if (!editor_.modified()) autosave.forget();
-                        editor_.notify(edit::saved_text(path, theirs) + also);
+                        editor_.notify(edit::saved_text(path, kept) + also);
                         if (done) done(*document, open_count);
                     };
                 });

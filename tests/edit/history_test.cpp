@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "edit/operations.h"
+#include "edit/paint_layers.h"
 #include "stage/stage.h"
 #include "support/input_error.h"
 #include "tests/edit/foreign_stage.h"
@@ -208,23 +209,63 @@ TEST_F(Histories, DamagedLayersAreNotOpened) {
 TEST_F(Histories, SavingKeepsWhatAnotherProgramWrote) {
     edit::History history;
     rename(history, "Berta");
-    EXPECT_EQ(edit::save_document(document, at("stage.gltf")), std::nullopt);
+    EXPECT_TRUE(edit::save_document(document, at("stage.gltf")).empty());
     rename(history, "Carla");
     for (const char* kept : {"stage-theirs.gltf", "stage-theirs-2.gltf"}) {
         const std::string theirs = std::string(R"({"asset": {"version": "2.0"}, "extras": ")") + kept + "\"}";
         write_text(at("stage.gltf"), theirs);
-        const auto path = edit::save_document(document, at("stage.gltf"));
-        ASSERT_EQ(path, at(kept));
+        const auto versions = edit::save_document(document, at("stage.gltf"));
+        ASSERT_EQ(versions.size(), 1u);
+        EXPECT_EQ(versions[0].as, at(kept));
         EXPECT_EQ(read_text(at(kept)), theirs);
         EXPECT_EQ(edit::find_node(stage::read_stage_file(at("stage.gltf")), "Carla"), 4u);
-        EXPECT_NE(edit::saved_text(at("stage.gltf"), path).find(kept), std::string::npos);
+        EXPECT_NE(edit::saved_text(at("stage.gltf"), versions).find(kept), std::string::npos);
     }
     std::filesystem::remove(at("stage.gltf"));
-    EXPECT_EQ(edit::save_document(document, at("stage.gltf")), std::nullopt) << "what is gone needs no copy";
+    EXPECT_TRUE(edit::save_document(document, at("stage.gltf")).empty()) << "what is gone needs no copy";
     write_text(at("other.gltf"), "{}");
-    EXPECT_EQ(edit::save_document(document, at("other.gltf")), std::nullopt)
+    EXPECT_TRUE(edit::save_document(document, at("other.gltf")).empty())
         << "that another name is overwritten was asked";
     EXPECT_EQ(edit::saved_text("a.gltf", {}), "saved a.gltf");
+}
+
+// As by `neuvv paint` while the stage is open in the window.
+TEST_F(Histories, SavingKeepsPaintOfAnotherProgram) {
+    wear("red.nvpaint", 0.25f);
+    edit::History history;
+    stroke(history, "red.nvpaint", 0.5f);
+    voctree::write_paint(at("red.nvpaint"), *layer(0.75f));
+    const auto kept = edit::save_document(document, at("stage.gltf"));
+    ASSERT_EQ(kept.size(), 1u);
+    EXPECT_EQ(red_on_disk("red.nvpaint"), 0.5f);
+    EXPECT_EQ(red_on_disk("red-theirs.nvpaint"), 0.75f);
+    EXPECT_EQ(edit::saved_text("a.gltf", kept),
+              "saved a.gltf; another program had changed red.nvpaint: its version is kept as red-theirs.nvpaint");
+    stroke(history, "red.nvpaint", 1);
+    EXPECT_TRUE(edit::save_document(document, at("stage.gltf")).empty()) << "now it is ours";
+    write_text(at("red.nvpaint"), "of another clip");
+    stroke(history, "red.nvpaint", 0.5f);
+    EXPECT_EQ(edit::save_document(document, at("stage.gltf")).at(0).as, at("red-theirs-2.nvpaint"));
+    EXPECT_EQ(read_text(at("red-theirs-2.nvpaint")), "of another clip");
+}
+
+TEST_F(Histories, SavingKeepsSegmentsOfAnotherProgram) {
+    const std::filesystem::path look = at("look.nvpaint"), theirs = at("look-theirs.nvpaint");
+    voctree::PaintLayers files;
+    for (const char* segment : {"000000.nvpaint", "000012.nvpaint", "000024.nvpaint"}) {
+        files[look / segment] = layer(0.5f);
+        document.saved_paint[look / segment] = layer(0, 0);
+    }
+    edit::set_paint(document, 4, look, "look", files, "painted");
+    for (const char* segment : {"000000.nvpaint", "000024.nvpaint"})
+        voctree::write_segment_paint(look / segment, *layer(0.75f));
+    const auto kept = edit::save_document(document, at("stage.gltf"));
+    ASSERT_EQ(kept.size(), 1u) << "one folder";
+    EXPECT_EQ(kept[0].as, theirs);
+    for (const char* segment : {"000000.nvpaint", "000024.nvpaint"})
+        EXPECT_EQ(voctree::read_paint(theirs / segment, field).edits, layer(0.75f)->edits);
+    EXPECT_FALSE(std::filesystem::exists(theirs / "000012.nvpaint"));
+    for (const auto& [file, painted] : files) EXPECT_EQ(voctree::read_paint(file, field).edits, painted->edits);
 }
 
 }  // namespace
