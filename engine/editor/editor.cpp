@@ -1,9 +1,12 @@
 #include "editor/editor.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "base/error.h"
 #include "edit/read.h"
+#include "stage/stage.h"
 
 namespace neuvv::editor {
 
@@ -16,6 +19,14 @@ void Editor::open(edit::Document document, bool modified) {
     open_ = true;
     open_count_++;
     changed();
+    untold_from_ = id_;
+}
+
+void Editor::stage_made(const stage::Stage& stage, uint64_t id) {
+    if (!untold_from_ || id < *untold_from_) return;
+    untold_from_.reset();
+    for (const std::string& note : stage.scene.notes)
+        notify(fmt::format("{} {}", stage.file.path.filename().string(), note));
 }
 
 void Editor::saved(const edit::Document& as, uint64_t open_count, uint64_t id) {

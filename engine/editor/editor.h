@@ -10,6 +10,10 @@
 #include "edit/edited_stage.h"
 #include "edit/history.h"
 
+namespace neuvv::stage {
+struct Stage;
+}
+
 namespace neuvv::editor {
 
 // A line of text for the user, displayed for some seconds.
@@ -40,6 +44,10 @@ class Editor {
     // values. Later edits stay unsaved, and the document moves to the folder of `as`. Nothing happens where another
     // document has been opened since.
     void saved(const edit::Document& as, uint64_t open_count, uint64_t id);
+
+    // To be called with each stage that was made of the document with this id(). After the first one of a document that
+    // was opened, notices tell what of its file is not shown (GltfScene::notes).
+    void stage_made(const stage::Stage& stage, uint64_t id);
 
     // While `reason` is not empty, every edit is refused, and a notice tells the user the reason.
     void freeze(std::string reason) { frozen_ = std::move(reason); }
@@ -85,6 +93,7 @@ class Editor {
     edit::Document document_;
     edit::History history_;
     uint64_t id_ = 0, open_count_ = 0;
+    std::optional<uint64_t> untold_from_;  // id() of the opened document, until stage_made has told of it
     std::optional<uint32_t> selected_;
     std::optional<edit::Document> before_drag_;
     std::optional<uint32_t> selected_before_drag_;

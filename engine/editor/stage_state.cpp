@@ -18,6 +18,7 @@ void StageState::follow_document() {
     }
     solid.clear();  // it is of the performers of the stage before
     stage_id = editor.id();
+    editor.stage_made(*stage, stage_id);
     clock.set_stage(stage->duration_s, stage->fps);
 }
 

@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "edit/operations.h"
 #include "edit/paint_layers.h"
+#include "editor/stage_state.h"
 #include "tests/stage/stage_files.h"
 #include "voctree/nvpaint.h"
 
@@ -121,6 +122,31 @@ TEST(Editor, FrozenItTellsWhy) {
     ASSERT_EQ(editor.take_notices().size(), 1u);
     editor.freeze({});
     EXPECT_TRUE(editor.edit(named(0, "x")));
+}
+
+TEST(Editor, WhatAFileHasThatIsNotShownIsToldOnce) {
+    editor::StageState state;
+    const auto notices = [&] {
+        std::vector<std::string> texts;
+        state.follow_document();
+        for (const editor::Notice& notice : state.editor.take_notices()) texts.push_back(notice.text);
+        return texts;
+    };
+    const auto with_scenes = [](const char* name) {
+        return edit::Document{stage::make_stage_file(in_temp(name), R"({"asset": {"version": "2.0"}, "scene": 0,
+            "scenes": [{"nodes": [0]}, {}], "nodes": [{"name": "anna"}]})"),
+                              {},
+                              {}};
+    };
+    state.editor.open(with_scenes("two.gltf"), false);
+    EXPECT_EQ(notices(), std::vector<std::string>{"two.gltf shows its scene 0 alone; it has 2"});
+    ASSERT_TRUE(state.editor.edit(named(0, "berta")));
+    for (const std::string& text : notices()) EXPECT_EQ(text.find("two.gltf"), std::string::npos) << text;
+    state.editor.open(with_scenes("other.gltf"), false);
+    state.editor.stage_made(*state.stage, 1);  // of the document before, read late
+    EXPECT_EQ(notices(), std::vector<std::string>{"other.gltf shows its scene 0 alone; it has 2"});
+    state.editor.open(stage_named("whole.gltf"), false);
+    EXPECT_TRUE(notices().empty());
 }
 
 TEST(Editor, LayersThatWerePaintedAreUndone) {

@@ -68,6 +68,13 @@ TEST_F(Watching, AClipOpensAsAStageOfItsOwn) {
     EXPECT_GT(floor[0], corner[0] + 20) << "on a lit floor";
 }
 
+TEST_F(Watching, WhatIsNotShownOfAStageIsSaid) {
+    json two = saved();
+    two["scenes"].push_back(json::object());
+    write_text(stage, two.dump());
+    open(stage)->until_notice("show.gltf shows its scene 0 alone; it has 2");
+}
+
 TEST_F(Watching, PlaysAndPauses) {
     const auto hands = open(stage);
     hands->until_rest();

@@ -322,6 +322,7 @@ void Viewer::receive_stage() {
     if (!read || read == input_.stage) return;
     const bool first = !input_.stage || input_.stage->file.path != read->file.path;
     input_.stage = read;
+    editor_.stage_made(*read, input_.rendered.stage_id);
     view_.clock.set_stage(read->duration_s, read->fps);
     input_.evaluated = stage::stage_at(*read, view_.clock.displayed_s());
     if (first) view_.eye = initial_eye(context_, stage::stage_at(*read, 0));
