@@ -160,7 +160,7 @@ StagePlan plan_stage(const RenderOptions& options) {
         throw InputError("--layers", options.layers, "need performers that are blended exactly", "add --blend exact");
     plan.fps = checked_fps(options, 0, plan.stage.fps);
     if (names_camera_path(options.camera)) {
-        plan.path = training::read_camera_path(options.camera, plan.fps, frame_of(plan.stage));
+        plan.path = training::read_camera_path(options.camera, plan.fps, training::frame_of(plan.stage));
         plan.fps = checked_fps(options, plan.path->fps, plan.stage.fps);
     }
     if (options.camera == kStagePath && plan.stage.settings.camera_path) {

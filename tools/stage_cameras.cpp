@@ -70,7 +70,8 @@ std::string change_path(stage::StageFile& file, const PathOptions& options) {
     const stage::Stage stage = stage::make_stage(file);
     const double frame_s = 1 / stage.fps;
     if (options.from)
-        return change_whole_path(file, options, training::read_camera_path(*options.from, stage.fps, frame_of(stage)));
+        return change_whole_path(file, options,
+                                 training::read_camera_path(*options.from, stage.fps, training::frame_of(stage)));
     if (options.key_s) return edit::add_path_key(file, key_at(stage, options.camera, *options.key_s), frame_s);
     if (options.remove_key) return edit::remove_path_key(file, *options.remove_key);
     if (options.move_key) return edit::move_path_key(file, *options.move_key, *options.to_s, frame_s);

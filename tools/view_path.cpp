@@ -99,16 +99,6 @@ std::vector<ViewStep> orbit_path(const voctree::VOctree& tree, media::ImageSize 
     return orbit_path(voctree::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
 }
 
-voctree::WorldFrame frame_of(const stage::Stage& stage) {
-    std::optional<voctree::WorldFrame> frame;
-    for (const stage::StageClip& clip : stage.clips) {
-        const voctree::WorldFrame of_clip = voctree::read_world_frame(clip.path);
-        if (frame && *frame != of_clip) return {};
-        frame = of_clip;
-    }
-    return frame.value_or(voctree::WorldFrame{});
-}
-
 stage::Camera centred_camera(media::ImageSize size, double focal_length_px, const glm::dmat4& world_from_camera) {
     return {world_from_camera, focal_length_px, focal_length_px, 0.5 * size.width,
             0.5 * size.height, size.width,      size.height};

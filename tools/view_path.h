@@ -32,10 +32,6 @@ std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, c
 // The same around a clip's leaves, while all of the clip plays at its own rate.
 std::vector<ViewStep> orbit_path(const voctree::VOctree& tree, media::ImageSize size);
 
-// The frame of the performers' clips in the coordinates of their capture (voctree/world_frame.h), which is that of a
-// stage, too; the capture's own coordinates where performers are of several captures.
-voctree::WorldFrame frame_of(const stage::Stage& stage);
-
 // A camera whose principal point is the middle of its image.
 stage::Camera centred_camera(media::ImageSize size, double focal_length_px, const glm::dmat4& world_from_camera);
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "base/error.h"
 #include "base/platform.h"
@@ -138,6 +139,16 @@ stage::CameraPath path_of_document(const std::filesystem::path& file, double vie
 }
 
 }  // namespace
+
+voctree::WorldFrame frame_of(const stage::Stage& stage) {
+    std::optional<voctree::WorldFrame> frame;
+    for (const stage::StageClip& clip : stage.clips) {
+        const voctree::WorldFrame of_clip = voctree::read_world_frame(clip.path);
+        if (frame && *frame != of_clip) return {};
+        frame = of_clip;
+    }
+    return frame.value_or(voctree::WorldFrame{});
+}
 
 stage::CameraPath in_capture(stage::CameraPath path, const voctree::WorldFrame& frame) {
     for (stage::CameraPathKey& key : path.keys) key.position = frame.to_capture(key.position);

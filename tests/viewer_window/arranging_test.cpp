@@ -173,6 +173,30 @@ TEST_F(Arranging, AKilledViewerLosesNothingThatIsFiveSecondsOld) {
     EXPECT_EQ(saved()["nodes"].size(), nodes + 1);
 }
 
+// As a file that is dropped on the window.
+TEST_F(Arranging, ACameraPathBecomesTheStages) {
+    write_text(file("path.json"), R"({"camera_angle_y": 0.7, "w": 64, "h": 48, "frames": [
+        {"transform_matrix": [[1,0,0,0],[0,1,0,1],[0,0,1,4],[0,0,0,1]], "seconds": 0},
+        {"transform_matrix": [[1,0,0,1],[0,1,0,1],[0,0,1,4],[0,0,0,1]], "seconds": 2}]})");
+    const auto hands = open(stage);
+    hands->until_rest();
+    hands->key("ctrl+o");
+    hands->middle_of("question/name");
+    hands->type("path.json");
+    hands->key("Return");
+    hands->until("an edit", kModified);
+    save(*hands);
+    const json path = saved()["scenes"][0]["extensions"]["NEUVV_stage"]["cameraPath"];
+    EXPECT_EQ(path["keys"].size(), 2u) << path;
+    write_text(file("bad.json"), "{}");
+    hands->key("ctrl+o");
+    hands->middle_of("question/name");
+    hands->type("bad.json");
+    hands->key("Return");
+    hands->until_notice("bad.json");
+    EXPECT_EQ(hands->seen()["modified"], false);
+}
+
 TEST_F(Arranging, AStageThatWasNeverSavedIsOfferedWithoutItsName) {
     {
         const auto hands = open(clip, "960x540");

@@ -80,6 +80,33 @@ TEST_F(Coaching, WhatIsRedIsRedOnTheScreenAndGoneAfterwards) {
     EXPECT_EQ(other, 0u);
 }
 
+// As files that are dropped on the window.
+TEST_F(Coaching, ASkeletonIsTheSelectedPerformersOrIsCompared) {
+    const auto hands = open(stage, "900x700");
+    hands->until_rest();
+    const auto give = [&] {
+        hands->key("ctrl+o");
+        hands->middle_of("question/name");
+        hands->type("trainee.skeleton.glb");
+        hands->key("Return");
+    };
+    give();
+    const json compared = hands->until("coaching", [](const json& seen) { return !seen["coach"].is_null(); });
+    EXPECT_EQ(compared["coach"]["trainer"], "anna");
+    EXPECT_EQ(compared["modified"], false);
+    hands->click("tab/coach");
+    hands->click("coach/end");
+    hands->until("the end", [](const json& seen) { return seen["coach"].is_null(); });
+    hands->click("stage/anna");
+    give();
+    hands->until("an edit", [](const json& seen) { return seen["modified"] == true; });
+    hands->key("ctrl+s");
+    hands->until("all to be saved", [](const json& seen) { return seen["modified"] == false; });
+    const json document = saved();
+    const json& anna = document["nodes"][node(document, "anna")]["extensions"]["NEUVV_performer"];
+    EXPECT_EQ(anna["skeleton"]["uri"], "trainee.skeleton.glb");
+}
+
 TEST_F(Coaching, AFileThatIsNoMotionIsSaidInANotice) {
     const auto hands = std::make_unique<Hands>(
         *screen, folder.path, std::vector<std::string>{stage, "--size", "900x700", "--trainee", file("none.bvh")});

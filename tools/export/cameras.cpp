@@ -30,7 +30,7 @@ ExportedCamera camera_of(const ExportOptions& options) {
     const double fps = options.fps.value_or(stage.fps);
     ExportedCamera camera;
     if (names_camera_path(options.camera))
-        camera.path = training::read_camera_path(options.camera, fps, frame_of(stage));
+        camera.path = training::read_camera_path(options.camera, fps, training::frame_of(stage));
     else if (stage.settings.camera_path && (options.camera.empty() || options.camera == kStagePath))
         camera.path = *stage.settings.camera_path;
     else
@@ -38,8 +38,8 @@ ExportedCamera camera_of(const ExportOptions& options) {
     const media::ImageSize size = options.size.empty() ? kStageSize : parse_size(options.size);
     camera.images = stage::by_images(camera.path, fps, size.width, size.height);
     if (!has_floats) {
-        camera.path = training::in_capture(camera.path, frame_of(stage));
-        camera.images = training::in_capture(camera.images, frame_of(stage));
+        camera.path = training::in_capture(camera.path, training::frame_of(stage));
+        camera.images = training::in_capture(camera.images, training::frame_of(stage));
     }
     prepare_result("--output", options.output);
     return camera;

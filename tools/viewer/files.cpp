@@ -11,6 +11,7 @@
 #include "edit/paint_layers.h"
 #include "editor/open_file.h"
 #include "tools/viewer/context.h"
+#include "training/camera_path_file.h"
 #include "voctree/clip.h"
 #include "voctree/clip_index.h"
 
@@ -28,12 +29,17 @@ constexpr double kWatchInterval_s = 1;
 constexpr const char* kReadableFiles =
     "a stage (.gltf, .glb), a clip (.nvv, .nvs, .npz), splats (.ply), volumes (.vdb), paint (.nvpaint), an image "
     "(.png), "
-    "a sound (.wav, .flac, .ogg, .opus, .mp3, .m4a), a motion (.bvh, .trc), a folder with clips or a data set";
+    "a sound (.wav, .flac, .ogg, .opus, .mp3, .m4a), a motion (.bvh, .trc), a skeleton (.skeleton.glb), a camera path "
+    "(.json, .usda), a folder with clips or a data set";
 
 bool is_one_of(const std::filesystem::path& path, std::initializer_list<const char*> endings) {
     std::string ending = path.extension().string();
     for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return std::any_of(endings.begin(), endings.end(), [&](const char* e) { return ending == e; });
+}
+
+bool is_skeleton(const std::filesystem::path& path) {
+    return is_one_of(path, {".glb"}) && is_one_of(path.stem(), {".skeleton"});
 }
 
 bool has_clips(const std::filesystem::path& folder) {
@@ -133,7 +139,7 @@ std::string Files::name() const {
 
 void Files::ask_to_open() {
     ask_path(
-        "Open", {".gltf", ".glb", ".nvv", ".nvs", ".npz", ".ply", ".vdb", ".bvh", ".trc"}, false, "",
+        "Open", {".gltf", ".glb", ".nvv", ".nvs", ".npz", ".ply", ".vdb", ".bvh", ".trc", ".json", ".usda"}, false, "",
         [this](const std::filesystem::path& path) { voctree::has_clip_ending(path) ? open(path) : open_or_add(path); });
 }
 
@@ -195,10 +201,33 @@ bool Files::add_to_stage(const std::filesystem::path& file) {
         edit::PerformerEdit performer;
         performer.sound = file;
         editor.edit([&](edit::Document& d) { return edit::set_performer(d.file, *editor.selected(), performer); });
+    } else if (is_one_of(file, {".json", ".usda"})) {
+        add_camera_path(file);
     } else {
         return false;
     }
     return true;
+}
+
+void Files::add_skeleton(const std::filesystem::path& file) {
+    editor::Editor& editor = context_.editor;
+    if (!editor.selected() || !edit::performer_on(editor.file(), *editor.selected())) return events_.motion_given(file);
+    edit::PerformerEdit performer;
+    performer.skeleton = file;
+    editor.edit([&](edit::Document& d) { return edit::set_performer(d.file, *editor.selected(), performer); });
+}
+
+void Files::add_camera_path(const std::filesystem::path& file) {
+    context_.jobs.start(
+        fmt::format("Reading {}", file.filename().string()),
+        [this, file, of = context_.editor.file(), open_count = context_.editor.open_count()] {
+            const stage::Stage stage = stage::make_stage(of);
+            const stage::CameraPath path = training::read_camera_path(file, stage.fps, training::frame_of(stage));
+            return [this, path, open_count] {
+                if (context_.editor.open_count() != open_count) return;
+                context_.editor.edit([&](edit::Document& d) { return edit::set_camera_path(d.file, path); });
+            };
+        });
 }
 
 void Files::open_or_add(const std::filesystem::path& file) {
@@ -206,6 +235,7 @@ void Files::open_or_add(const std::filesystem::path& file) {
     if (is_one_of(file, {".ply", ".vdb"})) return events_.verb_wanted("import", file);
     if (is_one_of(file, {".bvh", ".trc"})) return events_.motion_given(file);
     const bool is_open = context_.editor.is_open();
+    if (is_open && is_skeleton(file)) return add_skeleton(file);
     if (editor::has_stage_ending(file) || (!is_open && voctree::has_clip_ending(file))) return open(file);
     if (is_open && add_to_stage(file)) return;
     context_.editor.notify(is_open ? fmt::format("{}: is none of {}", file.filename().string(), kReadableFiles)

@@ -73,8 +73,10 @@ class Files {
     void save();
     void save_as();
     // For a file that was dropped on the window: opens a stage, or a folder with clips; adds a clip, a layer of paint,
-    // an environment or a sound to the open stage; without an open stage, a clip is opened. Splats, volumes and folders
-    // of data sets open the dialog that makes a clip of them; a recorded motion is compared with a performer's.
+    // an environment, a sound or a camera path to the open stage; without an open stage, a clip is opened. Splats,
+    // volumes and folders of data sets open the dialog that makes a clip of them; a recorded motion is compared with a
+    // performer's. A skeleton (.skeleton.glb) becomes that of the selected performer; while none is selected, it is
+    // such a motion.
     void open_or_add(const std::filesystem::path& file);
 
     // Asks for a path and calls `then` with it on the window's thread, unless the user cancels. Does nothing while
@@ -109,6 +111,8 @@ class Files {
     bool refused_by_export();
     void watch_clips();
     bool add_to_stage(const std::filesystem::path& file);
+    void add_skeleton(const std::filesystem::path& file);
+    void add_camera_path(const std::filesystem::path& file);
     void path_panel();
     void unsaved_panel();
     void recover_panel();
