@@ -20,7 +20,6 @@
 #include "voctree/clip_index.h"
 #include "voctree/half.h"
 #include "voctree/nvv.h"
-#include "voctree/world_frame.h"
 
 namespace neuvv::tools {
 
@@ -53,22 +52,6 @@ voctree::NvvSummary summary_of_plenoctree(const std::string& file) {
 
 bool is_nvv(const voctree::NvvSummary& summary) {
     return summary.version != 0;
-}
-
-// Where the clip's origin and metre are in the coordinates of its capture; null where those are the same.
-nlohmann::ordered_json capture_json(const std::string& clip) {
-    const voctree::WorldFrame frame = voctree::read_world_frame(clip);
-    if (frame.is_same()) return nullptr;
-    return {{"origin", {frame.origin.x, frame.origin.y, frame.origin.z}}, {"unit", frame.unit}};
-}
-
-// The same as a line for people; empty where the coordinates are the same.
-std::string capture_line(const std::string& clip) {
-    const voctree::WorldFrame frame = voctree::read_world_frame(clip);
-    if (frame.is_same()) return "";
-    const glm::dvec3& o = frame.origin;
-    return fmt::format("capture ({:.15g}, {:.15g}, {:.15g}) is the clip's origin, {:.6g} of its units a metre here\n",
-                       o.x, o.y, o.z, frame.unit);
 }
 
 nlohmann::ordered_json json_of(const InfoOptions& options, const voctree::NvvSummary& summary) {

@@ -25,6 +25,7 @@
 #include "voctree/clip.h"
 #include "voctree/clip_sound.h"
 #include "voctree/slice.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::tools {
 
@@ -96,7 +97,10 @@ struct Published {
 class Publisher {
   public:
     Publisher(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common)
-        : options_(options), scene_(scene), progress_("publish", scene.index.frames()) {
+        : options_(options),
+          scene_(scene),
+          progress_("publish", scene.index.frames()),
+          capture_(voctree::frame_for_stream(voctree::read_world_frame(scene.clip), scene.clip)) {
         group_frames_ = std::clamp(static_cast<uint32_t>(std::lround(options.group_s * double{scene.index.fps})), 1u,
                                    stream::kMaxGroupFrames);
         if (!options.rate_mbps) device_.emplace(common.device);
@@ -115,6 +119,7 @@ class Publisher {
     const PublishedScene& scene_;
     Progress progress_;
     uint32_t group_frames_ = 1;
+    stream::CaptureFrame capture_;
     std::optional<gpu::Device> device_;
     Published published_;
 };
@@ -198,7 +203,7 @@ Published Publisher::publish() {
     uint32_t groups = 0;
     for (const voctree::ClipSegment& segment : scene_.index.segments)
         groups += (segment.frames + group_frames_ - 1) / group_frames_;
-    stream::Writer writer(options_.output, scene_.index.fps, scene_.index.frames(), groups);
+    stream::Writer writer(options_.output, scene_.index.fps, scene_.index.frames(), groups, capture_);
     for (const voctree::ClipSegment& segment : scene_.index.segments) publish_segment(segment, writer);
     published_.bytes = writer.finish();
     progress_.finish();

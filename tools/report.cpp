@@ -11,6 +11,7 @@
 
 #include "base/platform.h"
 #include "tools/say.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::tools {
 
@@ -140,6 +141,20 @@ std::string doubtful_mattes_text(const training::Dataset& dataset, const std::ve
             "what doubtful mattes lack is not used; repair them (`neuvv matte`, or by hand in mattes/), or leave these "
             "images out\n";
     return text;
+}
+
+nlohmann::ordered_json capture_json(const std::filesystem::path& clip) {
+    const voctree::WorldFrame frame = voctree::read_world_frame(clip);
+    if (frame.is_same()) return nullptr;
+    return {{"origin", {frame.origin.x, frame.origin.y, frame.origin.z}}, {"unit", frame.unit}};
+}
+
+std::string capture_line(const std::filesystem::path& clip) {
+    const voctree::WorldFrame frame = voctree::read_world_frame(clip);
+    if (frame.is_same()) return "";
+    const glm::dvec3& o = frame.origin;
+    return fmt::format("capture ({:.15g}, {:.15g}, {:.15g}) is the clip's origin, {:.6g} of its units a metre here\n",
+                       o.x, o.y, o.z, frame.unit);
 }
 
 void tell_notes(const std::string& file, const std::vector<std::string>& notes) {

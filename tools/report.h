@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -86,6 +87,11 @@ constexpr const char* kExamplesHead =
 
 // A line for each doubtful matte, at most ten, and what to do about them; empty where there are none.
 std::string doubtful_mattes_text(const training::Dataset& dataset, const std::vector<training::DoubtfulMatte>& mattes);
+
+// Where a clip's origin and metre are in the coordinates of its capture; null where those are the same.
+nlohmann::ordered_json capture_json(const std::filesystem::path& clip);
+// The same as a line for people; empty where the coordinates are the same.
+std::string capture_line(const std::filesystem::path& clip);
 
 // Says on stderr what of a file is not shown (GltfScene::notes), a line each.
 void tell_notes(const std::string& file, const std::vector<std::string>& notes);

@@ -54,6 +54,7 @@ void print_stream_info(const std::filesystem::path& path, bool json, bool check)
                                     {"fps", index.fps},
                                     {"seconds", seconds},
                                     {"mbps", mbps},
+                                    {"capture", capture_json(path)},
                                     {"groups", index.groups.size()},
                                     {"most_leaves", most_leaves},
                                     {"largest_frame", largest},
@@ -63,6 +64,7 @@ void print_stream_info(const std::filesystem::path& path, bool json, bool check)
     }
     fmt::print("{}: stream, {}\nclip    {} frames at {} fps, {:.2f} s, in {} groups\n",
                without_passwords(path.string()), size_text(all), frames, index.fps, seconds, index.groups.size());
+    fmt::print("{}", capture_line(path));
     fmt::print("leaves  {} at most, in cells of {} a side\n", most_leaves, 1u << index.groups[0].format.depth);
     fmt::print("rate    {:.1f} Mbit/s, {:.1f} KB a frame, {:.1f} KB at most\n", mbps,
                1e-3 * static_cast<double>(all) / frames, 1e-3 * static_cast<double>(largest));

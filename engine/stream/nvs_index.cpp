@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <numeric>
 
@@ -28,7 +29,19 @@ float read_float(ByteReader& reader) {
     return std::bit_cast<float>(static_cast<uint32_t>(reader.number(4)));
 }
 
-void append_group(std::vector<uint8_t>& bytes, const Group& group) {
+// The frame stands in bytes that readers ignored before: of the head, and of the first group.
+void append_origin_xy(std::vector<uint8_t>& bytes, const CaptureFrame& frame) {
+    append_number(bytes, static_cast<uint32_t>(frame.origin[0]), 4);
+    append_number(bytes, static_cast<uint32_t>(frame.origin[1]), 4);
+}
+
+void append_origin_z_and_scale(std::vector<uint8_t>& bytes, const CaptureFrame& frame) {
+    append_number(bytes, static_cast<uint32_t>(frame.origin[2]), 4);
+    append_number(bytes, static_cast<uint16_t>(frame.step), 2);
+    append_number(bytes, static_cast<uint16_t>(frame.unit), 2);
+}
+
+void append_group(std::vector<uint8_t>& bytes, const Group& group, const CaptureFrame& frame) {
     append_number(bytes, group.frames, 4);
     append_number(bytes, group.format.depth, 4);
     append_number(bytes, group.format.degree, 4);
@@ -38,10 +51,22 @@ void append_group(std::vector<uint8_t>& bytes, const Group& group) {
     append_number(bytes, group.offset, 8);
     append_number(bytes, group.table_bytes, 4);
     append_number(bytes, group.table_check, 4);
-    append_number(bytes, 0, 8);
+    append_origin_z_and_scale(bytes, frame);
 }
 
-Group read_group(ByteReader& reader) {
+int32_t read_coordinate(ByteReader& reader) {
+    return static_cast<int32_t>(reader.number(4));
+}
+
+int16_t read_exponent(ByteReader& reader) {
+    const auto exponent = static_cast<int16_t>(reader.number(2));
+    if (std::abs(exponent) > CaptureFrame::kMostExponent)
+        throw BadHead("the index", "says no place of a capture", kPublishAgain);
+    return exponent;
+}
+
+// `frame`: that of the first group; others have 8 bytes that are ignored.
+Group read_group(ByteReader& reader, CaptureFrame* frame) {
     Group group;
     group.frames = static_cast<uint32_t>(reader.number(4));
     group.format.depth = static_cast<uint32_t>(reader.number(4));
@@ -52,7 +77,13 @@ Group read_group(ByteReader& reader) {
     group.offset = reader.number(8);
     group.table_bytes = static_cast<uint32_t>(reader.number(4));
     group.table_check = static_cast<uint32_t>(reader.number(4));
-    reader.number(8);
+    if (frame) {
+        frame->origin[2] = read_coordinate(reader);
+        frame->step = read_exponent(reader);
+        frame->unit = read_exponent(reader);
+    } else {
+        reader.number(8);
+    }
     return group;
 }
 
@@ -136,8 +167,9 @@ std::vector<uint8_t> bytes_of(const Index& index) {
     append_number(bytes, index.frames.size(), 4);
     append_number(bytes, index.groups.size(), 4);
     append_float(bytes, index.fps);
-    append_number(bytes, 0, 8);
-    for (const Group& group : index.groups) append_group(bytes, group);
+    append_origin_xy(bytes, index.capture);
+    for (size_t i = 0; i < index.groups.size(); i++)
+        append_group(bytes, index.groups[i], i == 0 ? index.capture : CaptureFrame{});
     for (const FrameEntry& frame : index.frames) {
         append_number(bytes, frame.is_key ? 1 : 0, 4);
         for (const uint32_t count : frame.bytes) append_number(bytes, count, 4);
@@ -168,8 +200,10 @@ Index read_index(std::span<const uint8_t> head, uint64_t file_bytes) {
     index.frames.resize(reader.number(4));
     index.groups.resize(reader.number(4));
     index.fps = read_float(reader);
-    reader.number(8);
-    for (Group& group : index.groups) group = read_group(reader);
+    index.capture.origin[0] = read_coordinate(reader);
+    index.capture.origin[1] = read_coordinate(reader);
+    for (size_t i = 0; i < index.groups.size(); i++)
+        index.groups[i] = read_group(reader, i == 0 ? &index.capture : nullptr);
     for (FrameEntry& frame : index.frames) {
         const uint64_t flag = reader.number(4);
         if (flag > 1) throw BadHead("the index", "has frames of a kind that this program does not know", kPublishAgain);

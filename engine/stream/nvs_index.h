@@ -28,8 +28,17 @@ struct FrameEntry {
     uint64_t all_bytes() const;
 };
 
+// Where the clip is in the coordinates of its capture (voctree/world_frame.h): its point p is the capture's
+// 10^step · origin + 10^unit · p.
+struct CaptureFrame {
+    std::array<int32_t, 3> origin{};
+    int16_t step = 0, unit = 0;
+    static constexpr int kMostExponent = 12;  // of both, also below 0
+};
+
 struct Index {
     float fps = 25;
+    CaptureFrame capture;
     std::vector<Group> groups;       // in order, without gaps
     std::vector<FrameEntry> frames;  // of the whole clip
     uint32_t group_of(uint32_t frame) const;

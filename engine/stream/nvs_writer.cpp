@@ -36,8 +36,11 @@ uint64_t GroupBytes::count() const {
     return sum;
 }
 
-Writer::Writer(const std::filesystem::path& path, float fps, uint32_t frames, uint32_t groups) : file_(path) {
+Writer::Writer(const std::filesystem::path& path, float fps, uint32_t frames, uint32_t groups,
+               const CaptureFrame& capture)
+    : file_(path) {
     index_.fps = fps;
+    index_.capture = capture;
     index_.frames.reserve(frames);
     index_.groups.reserve(groups);
     write(std::vector<uint8_t>(head_bytes(groups, frames)));

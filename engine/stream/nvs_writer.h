@@ -13,7 +13,8 @@ class Writer {
   public:
     // The file appears, atomically, with finish(). `frames` and `groups` must be those that are added. Throws
     // RuntimeFailure where the disk fails, as all functions do.
-    Writer(const std::filesystem::path& path, float fps, uint32_t frames, uint32_t groups);
+    Writer(const std::filesystem::path& path, float fps, uint32_t frames, uint32_t groups,
+           const CaptureFrame& capture = {});
     // Adds the next group: its frames in order, encoded as one group. The group's `first`, `offset` and tables are set
     // here. Returns their bytes, those in the index included.
     uint64_t add(Group group, const std::vector<FrameSymbols>& frames);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "base/error.h"
@@ -34,6 +35,16 @@ WorldFrame frame_in_file(const std::filesystem::path& path) {
     return {};
 }
 
+double power_of_ten(int exponent) {
+    return std::pow(10.0, exponent);
+}
+
+WorldFrame frame_of_stream(const stream::CaptureFrame& frame) {
+    WorldFrame world{glm::dvec3(0), power_of_ten(frame.unit)};
+    for (int i = 0; i < 3; ++i) world.origin[i] = frame.origin[static_cast<size_t>(i)] * power_of_ten(frame.step);
+    return world;
+}
+
 }  // namespace
 
 ChunkOfFrame::ChunkOfFrame(const WorldFrame& frame) {
@@ -50,10 +61,27 @@ std::vector<NvvChunkView> ChunkOfFrame::views() const {
 }
 
 WorldFrame read_world_frame(const std::filesystem::path& clip) {
+    if (stream::is_stream(clip)) return frame_of_stream(read_clip_index(clip).segments[0].stream->index().capture);
     if (!is_segmented(clip)) return content_of(clip) == FileContent::kClip ? frame_in_file(clip) : WorldFrame{};
     for (const ClipSegment& segment : read_clip_index(clip).segments)
         if (content_of(segment.file) == FileContent::kClip) return frame_in_file(segment.file);
     return {};
+}
+
+stream::CaptureFrame frame_for_stream(const WorldFrame& frame, const std::filesystem::path& clip) {
+    constexpr int kMost = stream::CaptureFrame::kMostExponent;
+    stream::CaptureFrame said;
+    said.unit = static_cast<int16_t>(std::lround(std::log10(frame.unit)));
+    for (int step = kMost; step >= -kMost; --step) {
+        const glm::dvec3 steps = glm::round(frame.origin / power_of_ten(step));
+        if (glm::any(glm::greaterThan(glm::abs(steps), glm::dvec3(INT32_MAX)))) break;
+        said.step = static_cast<int16_t>(step);
+        for (int i = 0; i < 3; ++i) said.origin[static_cast<size_t>(i)] = static_cast<int32_t>(steps[i]);
+        if (frame_of_stream(said) == frame) return said;
+    }
+    throw InputError(
+        clip.string(), "", "has an origin or a unit in its capture that no stream can say",
+        "streams take origins of up to nine digits, and powers of ten as the unit (`neuvv info` says them)");
 }
 
 }  // namespace neuvv::voctree

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "stream/nvs_index.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::voctree {
@@ -43,8 +44,12 @@ class ChunkOfFrame {
     std::vector<NvvChunk> chunks_;
 };
 
-// The frame of a clip; of one in segments that of the first that can be read. Only a .nvv has one: a stream's and a
-// PlenOctree's coordinates are their own. Throws InputError where the file's headers are damaged.
+// The frame of a clip; of one in segments that of the first that can be read. A PlenOctree's coordinates are its own.
+// Throws InputError where the file's headers are damaged, and as stream::Reader does for a stream.
 WorldFrame read_world_frame(const std::filesystem::path& clip);
+
+// The same frame as a stream says it: all that captures get are round numbers. Throws InputError for the frame of this
+// clip where it is none.
+stream::CaptureFrame frame_for_stream(const WorldFrame& frame, const std::filesystem::path& clip);
 
 }  // namespace neuvv::voctree

@@ -16,6 +16,7 @@
 #include "voctree/clip.h"
 #include "voctree/slice.h"
 #include "voctree/temporal_basis.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::test::nvs_test {
 namespace {
@@ -30,10 +31,10 @@ struct NvsTest : testing::Test {
 
     void SetUp() override { write(path); }
     // Groups of three frames.
-    void write(const std::filesystem::path& to) {
+    void write(const std::filesystem::path& to, const stream::CaptureFrame& capture = {}) {
         stream::Steps steps;
         steps.fill(8);
-        stream::Writer writer(to, 12.5f, 7, 3);
+        stream::Writer writer(to, 12.5f, 7, 3, capture);
         decoded.clear();
         for (uint32_t first = 0; first < 7; first += 3) {
             std::vector<stream::FrameSymbols> frames;
@@ -77,6 +78,30 @@ TEST_F(NvsTest, FramesComeBackInAnyOrder) {
     EXPECT_EQ(coarse->leaves, decoded[4].leaves);
     EXPECT_NE(coarse->planes, decoded[4].planes);
     EXPECT_EQ(reader.frame(4)->planes, decoded[4].planes);
+}
+
+TEST_F(NvsTest, RemembersWhereItIsInItsCapture) {
+    using voctree::WorldFrame;
+    const std::string plain = bytes();
+    EXPECT_TRUE(voctree::read_world_frame(path).is_same());
+    for (const WorldFrame& frame : {WorldFrame{{512350, 410, -5403210}, 1}, WorldFrame{{0, 0, 0}, 1e-5},
+                                    WorldFrame{{-0.03, 6.4e6, 0.07}, 0.01}, WorldFrame{{-6e12 / 100, 0, 0}, 1000}}) {
+        std::filesystem::remove(path);
+        write(path, voctree::frame_for_stream(frame, "a.nvv"));
+        EXPECT_EQ(voctree::read_world_frame(path), frame);
+        std::string same = bytes();  // but for what readers that do not know it ignore
+        ASSERT_EQ(same.size(), plain.size());
+        constexpr size_t kInHead = 24, kInGroup = 32 + 56;
+        for (const size_t at : {kInHead, kInGroup}) same.replace(at, 8, plain, at, 8);
+        const size_t check = stream::head_bytes(3, 7) - 4;
+        same.replace(check, 4, plain, check, 4);
+        EXPECT_EQ(same, plain);
+    }
+    expect_input_error([] { voctree::frame_for_stream({{512345.125, -3, 5.4e6}, 1}, "a.nvv"); }, {"a.nvv", "origin"});
+    expect_input_error([] { voctree::frame_for_stream({{0, 0, 0}, 0.3}, "a.nvv"); }, {"a.nvv", "unit"});
+    std::filesystem::remove(path);
+    write(path, {{0, 0, 1}, 13, 0});
+    expect_input_error([&] { voctree::read_world_frame(path); }, {path.string(), "place of a capture"});
 }
 
 // Frames of which half stays: each needs the one before.

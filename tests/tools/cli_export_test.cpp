@@ -9,6 +9,7 @@
 #include "stream/nvs_writer.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/evaluation/metrics.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv {
 namespace {
@@ -129,6 +130,25 @@ TEST_F(CliExport, StreamsAreExportedToo) {
     exported(scene, file("clip.ply"), {"--frames", "2"});
     exported(file("x.nvs"), file("stream.ply"), {"--frames", "2"});
     EXPECT_NEAR(psnr_of(file("stream.ply"), scene, 2), psnr_of(file("clip.ply"), scene, 2), 1);
+}
+
+TEST_F(CliExport, AStreamStandsWhereItsClipDoes) {
+    const voctree::WorldFrame frame{{512350, 410, -5403210}, 0.01};
+    voctree::write_nvv(scene, tree, voctree::ChunkOfFrame(frame).views());
+    ASSERT_EQ(run_neuvv({"publish", "--overwrite", scene, "-o", file("x.nvs"), "--rate", "1000"}).code, 0);
+    const nlohmann::json info = nlohmann::json::parse(run_neuvv({"info", file("x.nvs"), "--json"}).out);
+    EXPECT_EQ(info.at("capture"), nlohmann::json::parse(run_neuvv({"info", scene, "--json"}).out).at("capture"));
+    EXPECT_EQ(info.at("capture").at("origin").at(2), -5403210);
+    const ProgramResult text = run_neuvv({"info", file("x.nvs")});
+    EXPECT_NE(text.out.find("capture (512350, 410, -5403210) is the clip's origin"), std::string::npos) << text.out;
+    std::string of_clip, of_stream;
+    for (const auto& [clip, out] : {std::pair(scene, &of_clip), std::pair(file("x.nvs"), &of_stream)}) {
+        exported(clip, file("x.usda"), {"--frames", "2"});
+        *out = read_text(file("x.usda"));
+    }
+    constexpr const char* kOrigin = "(512350, 410, -5403210)";
+    EXPECT_NE(of_clip.find(kOrigin), std::string::npos) << of_clip.substr(0, 1000);
+    EXPECT_NE(of_stream.find(kOrigin), std::string::npos) << of_stream.substr(0, 1000);
 }
 
 TEST_F(CliExport, SaysWhatIsWrong) {
