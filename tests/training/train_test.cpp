@@ -319,9 +319,10 @@ TEST_F(KilledRun, CtrlCSavesAndExitsWell) {
     expect_resumes();
 }
 
-// What batch systems send before the time is up, and a terminal that is closed.
+// What batch systems send before the time is up, a terminal that is closed, and a reader who has gone.
 TEST_F(KilledRun, TheSignalsOfBatchSystemsSaveToo) {
-    for (const int signal : {SIGUSR1, SIGHUP}) {
+    for (const int signal : {SIGUSR1, SIGHUP, SIGXCPU, SIGPIPE}) {
+        SCOPED_TRACE(signal);
         std::filesystem::remove(nvv_);
         std::filesystem::remove(training::state_path(nvv_));
         ChildProcess child(command(10000000, false), log_);
