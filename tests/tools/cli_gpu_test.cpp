@@ -1,12 +1,16 @@
 // The command line with a device: the files of render and eval, and that a scene compared with itself is perfect.
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/stat.h>
+
+#include <map>
 
 #include "base/error.h"
 #include "media/video.h"
 #include "motion/skeleton_file.h"
 #include "motion/triangulate.h"
 #include "stage/stage.h"
+#include "support/child_process.h"
 #include "support/edit_image.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
@@ -410,6 +414,51 @@ TEST_F(CliGpu, SkeletonViewsReplaceEarlierOnesAndTheirKeyPoints) {
     EXPECT_FALSE(std::filesystem::exists(file("views/images/c03_f000.png")));
     EXPECT_TRUE(std::filesystem::exists(file("views/images/c02_f000.png")));
     EXPECT_FALSE(std::filesystem::exists(file("views/unfinished")));
+}
+
+// The files of a folder, by their names in it.
+std::map<std::string, std::string> contents_of(const std::string& folder) {
+    std::map<std::string, std::string> contents;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+        if (entry.is_regular_file())
+            contents[entry.path().lexically_relative(folder).string()] = read_text(entry.path());
+    return contents;
+}
+
+TEST_F(CliGpu, ACaptureReplacesAnotherOnceItIsWhole) {
+    const auto capture = [&](const char* cameras, const char* frames) {
+        return std::vector<std::string>{"capture",    NEUVV_SOURCE_DIR "/tools/performer/performer.glb",
+                                        "-o",         file("data"),
+                                        "--cameras",  cameras,
+                                        "--frames",   frames,
+                                        "--size",     "32x32",
+                                        "--overwrite"};
+    };
+    ASSERT_EQ(run_neuvv(capture("6", "2")).code, 0);
+    const auto old = contents_of(file("data"));
+    EXPECT_TRUE(old.contains("images/c05_f001.png"));
+    std::vector<std::string> words = capture("12", "2000");
+    words.insert(words.begin(), NEUVV_PROGRAM);
+    for (const int signal : {SIGINT, SIGKILL}) {
+        SCOPED_TRACE(signal);
+        test::ChildProcess child(words, folder.path / "log.txt");
+        ASSERT_TRUE(child.until([&] { return std::filesystem::exists(file("data/unfinished/images/c11_f000.png")); }))
+            << read_text(folder.path / "log.txt");
+        child.send(signal);
+        EXPECT_EQ(child.wait(), signal == SIGKILL ? -SIGKILL : 1);
+        auto left = contents_of(file("data"));
+        std::erase_if(left, [](const auto& one) { return one.first.starts_with("unfinished/"); });
+        EXPECT_EQ(left, old);
+    }
+    ASSERT_EQ(run_neuvv(capture("5", "1")).code, 0);
+    EXPECT_FALSE(std::filesystem::exists(file("data/unfinished"))) << "what a killed program leaves is removed";
+    const auto now = contents_of(file("data"));
+    for (const auto& [name, content] : now) {
+        EXPECT_TRUE(old.contains(name) || name.starts_with("images/")) << name;
+        EXPECT_FALSE(name.starts_with("images/c05") || name.ends_with("_f001.png")) << "an old image: " << name;
+    }
+    EXPECT_NE(now.at("transforms_train.json"), old.at("transforms_train.json"));
+    EXPECT_EQ(training::load_dataset(file("data"), training::Split::kTrain).times.size(), 1u);
 }
 
 TEST_F(CliGpu, SkeletonShowDrawsJointsWhereTheyAre) {
