@@ -5,11 +5,20 @@
 
 Each option must be one that the help of its verb lists. Each file that a command reads must be in the repository, made by
 an earlier command or by tools/demo, or be the reader's own: its name is in capitals. No command may write what is there
-without --overwrite or --resume. Then the commands that take no time are run: those that need neither a device nor a clip.
+without --overwrite or --resume.
+
+The pages of the guide are those that tools/GUIDE.md links to, in that order. Their commands are also run, in one folder, where
+small files stand in for what takes long to make. A block with a command that cannot be run has a line before it,
+
+    <!-- not run: the reason -->
+
+and no other block may have it. What such a block has besides is run, too.
 """
+import os
 import pathlib
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -19,8 +28,13 @@ EDITORS = {'stage', 'paint'}  # which write into what is there
 MADE_BY_DEMO = ['performer.mp4', 'stage.mp4', 'stage.gltf', 'coach.mp4', 'coach.html', 'contact_sheet.png', 'metrics.json',
                 'performer.nvv', 'performer.nvs', 'capture']
 MADE_BY_CAPTURE = ['images', 'transforms_train.json', 'transforms_test.json', 'skeleton.glb']
-CHEAP = [('skeleton', 'import'), ('skeleton', 'export'), ('skeleton', 'compare'), ('stage', 'new'), ('stage', 'light'),
-         ('stage', 'path'), ('export', '--as', 'camera'), ('export', '--as', 'nerfstudio'), ('info',)]
+QUICK = {'devices', 'info', 'dataset', 'eval', 'stage', 'paint', 'clip'}  # verbs that take seconds at most
+QUICK_SKELETON = {'import', 'export', 'compare'}
+QUICK_EXPORTS = {'camera', 'nerfstudio', 'instant-ngp', 'layout'}
+# A clip of more than a second, and the data set that it was trained on.
+SMALL_CAPTURE = 'capture tools/performer/performer.glb -o small/performer --cameras 6 --frames 28 --size 64x64'
+SMALL_TRAINING = 'train small/performer -o small/performer.nvv --steps 30'
+NOT_RUN = re.compile(r'<!-- not run: \w.* -->')
 failed = []
 
 
@@ -28,36 +42,66 @@ def fail(where, text):
     failed.append(f'{where}: {text}')
 
 
+class Block:
+    """Consecutive lines that are indented by four spaces; `lines` has those that a backslash continues as one, with its number."""
+
+    def __init__(self, page, number, marked):
+        self.where, self.page, self.number, self.marked, self.lines = f'{page.name}:{number}', page, number, marked, []
+
+    def add(self, number, line):
+        if self.lines and self.lines[-1][1].endswith('\\'):
+            self.lines[-1] = (self.lines[-1][0], self.lines[-1][1][:-1] + line.strip())
+        else:
+            self.lines.append((f'{self.page.name}:{number}', line.strip()))
+
+
 def blocks(page):
-    """The commands of a page: lines that are indented by four spaces, with those that a backslash continues."""
-    lines, number = page.read_text(encoding='utf-8').splitlines(), 0
-    while number < len(lines):
-        start, line = number + 1, lines[number]
-        while line.endswith('\\'):
-            number += 1
-            line = line[:-1] + lines[number]
-        number += 1
-        if line.startswith('    ') and re.search(r'\b(neuvv|neuvv-bench)\b', line):
-            yield f'{page.name}:{start}', line.strip()
-        elif line.startswith('    cp '):
-            yield f'{page.name}:{start}', line.strip()
+    found, before, block = [], '', None
+    for number, line in enumerate(page.read_text(encoding='utf-8').splitlines(), 1):
+        if line.startswith('    '):
+            if block is None:
+                block = Block(page, number, bool(NOT_RUN.fullmatch(before)))
+                found.append(block)
+            block.add(number, line)
+        else:
+            block = None
+            if NOT_RUN.fullmatch(before) and line:
+                fail(f'{page.name}:{number}', 'no commands follow the line "not run"')
+        before = line if line else before
+    return found
 
 
 def commands(line):
-    """The words of each command of a line, without comments, `mpirun …` and what follows a pipe."""
+    """The program and the words of each command of a line, without comments and what neither reads nor writes files."""
     for part in re.split(r'&&|[|;&()]', re.sub(r'\s#\s.*', '', line)):
         words = shlex.split(part) if part.strip() else []
         for name in ('neuvv', 'neuvv-bench', 'build/release/neuvv'):
-            if name in words:
-                yield name.split('/')[-1], words[words.index(name) + 1:]
+            if name in words[:-1]:
+                yield name.split('/')[-1], words[words.index(name) + 1:], words[0] == name
                 break
-        if words[:1] == ['cp']:
-            yield 'cp', words[1:]
+        else:
+            if words[:1] == ['cp'] or words and words[0].startswith('tools/'):
+                yield words[0], words[1:], words[0] == 'cp'
+
+
+def can_run(program, words):
+    """Whether a command takes seconds at most, and needs nothing but the repository and what stands in for other results."""
+    verb, *rest = words[2:] if words[:1] == ['--device'] else words or ['']
+    output = words[words.index('-o') + 1] if '-o' in words[:-1] else ''
+    if any(re.search('[A-Z]{3}', word) for word in words):  # the reader's own
+        return False
+    return (program == 'cp' or program == 'neuvv' and (
+        verb in QUICK and '--rig' not in rest
+        or verb == 'train' and '--plan' in rest
+        or verb == 'skeleton' and rest[0] in QUICK_SKELETON
+        or verb == 'export' and '--as' in rest and rest[rest.index('--as') + 1] in QUICK_EXPORTS
+        or verb == 'render' and '--capture' not in rest and not rest[0].endswith('.npz') and (
+            'list' in rest or '--frames' in rest and output.endswith(('.png', '.exr')) and '%' not in output)))
 
 
 class Checker:
     def __init__(self, programs, root):
-        self.programs, self.root, self.helps = programs, root, {}
+        self.programs, self.root, self.helps, self.checked = programs, root, {}, 0
 
     def help_of(self, program, verbs):
         """The options of a verb, and whether there are verbs below it."""
@@ -79,6 +123,8 @@ class Checker:
         return verbs
 
     def check(self, where, program, words, made):
+        if program.startswith('tools/'):
+            return self.check_script(where, program, words)
         if program == 'cp':
             self.expect_there(where, words[0], made)
             made.add(words[1])
@@ -96,6 +142,14 @@ class Checker:
         if '--' in words:  # neuvv cluster sbatch -- train …
             return self.check(where, program, words[words.index('--') + 1:], made)
         self.check_files(where, verbs, words[len(verbs):], made)
+
+    def check_script(self, where, program, words):
+        if not os.access(self.root / program, os.X_OK):
+            return fail(where, f'there is no {program}')
+        text = (self.root / program).read_text(encoding='utf-8')
+        for word in words:
+            if not re.search('[A-Z]{3}|^work', word) and word not in text:
+                fail(where, f'{program} knows no {word}')
 
     def check_files(self, where, verbs, words, made):
         outputs = {words[i + 1].replace('{performer}', 'anna') for i, word in enumerate(words[:-1])
@@ -128,48 +182,82 @@ class Checker:
             fail(where, f'nothing has made {path}')
 
 
-def is_cheap(words):
-    return any(words[:1] == [case[0]] and all(part in words for part in case) for case in CHEAP)
+class Runner:
+    """Runs commands in a folder of its own, with the repository's tools beside, and small files in place of large results."""
 
+    def __init__(self, program, root, folder):
+        self.program, self.root, self.folder, self.ran = pathlib.Path(program).resolve(), root, folder, 0
+        (folder / 'tools').symlink_to(root / 'tools')
+        (folder / 'work').mkdir()
+        for command in (SMALL_CAPTURE, SMALL_TRAINING):
+            self.run('guide_test', 'neuvv', shlex.split(command))
 
-def run_cheap(programs, root, lines):
-    """Runs them in a folder of their own, with the repository's tools beside; those whose files were not made there are left out."""
-    with tempfile.TemporaryDirectory() as folder:
-        here, ran = pathlib.Path(folder), 0
-        (here / 'tools').symlink_to(root / 'tools')
-        for where, program, words in lines:
-            paths = [word for word in words if word.startswith('work/')]
-            outputs = {words[i + 1] for i, word in enumerate(words[:-1]) if word in OUTPUT_OPTIONS}
-            if words[:2] == ['stage', 'new']:
-                outputs.add(words[2])
-            if program != 'neuvv' or not is_cheap(words) or any(
-                    not (here / path).exists() for path in paths if path not in outputs):
+    def run(self, where, program, words):
+        if program == 'cp':
+            shutil.copy(self.folder / words[0], self.folder / words[1])
+            return
+        done = subprocess.run([self.program, *words], cwd=self.folder, capture_output=True, text=True, check=False)
+        self.ran += 1
+        if done.returncode != 0:
+            fail(where, f'`neuvv {shlex.join(words)}` ends with {done.returncode}: {done.stderr.strip()[-400:]}')
+
+    def stand_in(self, words):
+        """Puts small files where a command that is not run would write its results."""
+        for option, name in zip(words, words[1:]):
+            there = self.folder / name
+            if option != '-o' or not name.startswith('work/') or there.exists():
                 continue
-            done = subprocess.run([programs['neuvv'], *words], cwd=here, capture_output=True, text=True, check=False)
-            ran += 1
-            if done.returncode != 0:
-                fail(where, f'{done.stderr.strip()}')
-        if ran < 10:
-            fail('guide_test', f'only {ran} commands could be run')
+            there.parent.mkdir(parents=True, exist_ok=True)
+            if words[0] == 'capture':
+                shutil.copytree(self.folder / 'small/performer', there)
+            elif name.endswith('.nvv'):
+                shutil.copy(self.folder / 'small/performer.nvv', there)
+            elif name.endswith('.nvs'):
+                shutil.copy(self.root / 'tests/stream/vectors/usual.nvs', there)
+
+
+def check_block(block, checker, runner, made):
+    all_run = True
+    for where, line in block.lines:
+        found = [command for command in commands(line) if '...' not in command[1]]
+        if not found and runner:
+            fail(where, 'is no command that this test knows')
+        alone = len(found) == 1 and not re.search(r'[|;&()]', re.sub(r"\s#\s.*|'[^']*'", '', line))
+        for program, words, first in found:
+            checker.check(where, program, words, made)
+            checker.checked += 1
+            if runner and first and alone and can_run(program, words):
+                runner.run(where, program, words)
+            elif runner:
+                all_run = False
+                runner.stand_in(words)
+    if runner and all_run == block.marked:
+        fail(block.where, 'all of it can be run: remove the line "not run"' if all_run else
+             'something of it cannot be run: write <!-- not run: REASON --> before it')
+
+
+def pages_of_guide(root):
+    contents = root / 'tools/GUIDE.md'
+    pages = [contents.parent / name for name in re.findall(r'\((guide/[a-z]+\.md)\)', contents.read_text(encoding='utf-8'))]
+    for page in sorted(set((root / 'tools/guide').glob('*.md')) - set(pages)):
+        fail('GUIDE.md', f'does not link to {page.name}')
+    return pages
 
 
 def main():
-    programs, root = {'neuvv': sys.argv[1], 'neuvv-bench': sys.argv[2]}, pathlib.Path(sys.argv[3])
+    programs, root = {'neuvv': sys.argv[1], 'neuvv-bench': sys.argv[2]}, pathlib.Path(sys.argv[3]).resolve()
     checker = Checker(programs, root)
-    checked = 0
-    for page in (root / 'tools/GUIDE.md', root / 'README.md'):
-        made = {f'demo/{name}' for name in MADE_BY_DEMO} | {'work', 'work/views/key_points', 'build/release/neuvv'}
-        lines = [(where, *command) for where, line in blocks(page) for command in commands(line)]
-        for where, program, words in lines:
-            if '...' in words or not words:
-                continue
-            checker.check(where, program, words, made)
-            checked += 1
-        if page.name == 'GUIDE.md':
-            run_cheap(programs, root, lines)
-    if checked < 100:
-        fail('guide_test', f'only {checked} commands were found')
-    print('\n'.join(failed) or f'{checked} commands are as the program has them')
+    by_demo = {f'demo/{name}' for name in MADE_BY_DEMO} | {'work', 'build/release/neuvv'}
+    with tempfile.TemporaryDirectory() as folder:
+        runner, made = Runner(programs['neuvv'], root, pathlib.Path(folder)), set(by_demo)
+        for page in pages_of_guide(root):
+            for block in blocks(page):
+                check_block(block, checker, runner, made)
+    for block in blocks(root / 'README.md'):
+        check_block(block, checker, None, by_demo)
+    if checker.checked < 100 or runner.ran < 40:
+        fail('guide_test', f'only {checker.checked} commands were found, and {runner.ran} run')
+    print('\n'.join(failed) or f'{checker.checked} commands are as the program has them; {runner.ran} were run')
     return 1 if failed else 0
 
 
