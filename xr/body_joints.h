@@ -10,8 +10,7 @@
 namespace neuvv::xr {
 
 // Where each joint of a skeleton comes from: the mean of two joints of the extension; {n, n}: that joint itself;
-// {−1, −1}: the extension lacks it. The table in engine/motion/README.md says the same in words. The nose comes from
-// the headset's own pose.
+// {−1, −1}: the extension lacks it. The nose comes from the headset's own pose.
 using BodyJointSources = std::array<std::array<int, 2>, motion::kJoints>;
 extern const BodyJointSources kMetaBodySources;  // XR_FB_body_tracking, with and without the joints of the full body
 extern const BodyJointSources kBdBodySources;    // XR_BD_body_tracking
