@@ -86,13 +86,17 @@ KEPT = {
         'an image, ms': at('all', 'ms'), 'growth of time by growth of covered rays': at('time_by_rays')}),
     **{f'bench train {tiles}': ('A training step by its tiles, millions of rays a second', {
         f'{tiles} tiles': at('mrays_per_second')}) for tiles in (512, 2048, 8192)},
-    'eval performer': ('Training *performer*', {'PSNR of held-out views, dB': at('psnr'), 'SSIM': at('ssim')}),
+    'eval performer': ('Training *performer*', {
+        'PSNR of held-out views, dB': at('psnr'), 'SSIM': at('ssim')}),
 }
 
 
+COMMAND_OF = {'eval performer': 'train performer'}  # the part whose command says what was measured, where it is another
+
+
 def rounded(value):
-    """Three digits, as an integer where it is one."""
-    short = float(f'{value:.3g}')
+    """Four digits, as an integer where it is one."""
+    short = float(f'{value:.4g}')
     return int(short) if short == int(short) else short
 
 
@@ -104,6 +108,7 @@ def command_text(command):
 def kept_of(report):
     """The measurements of a report.json; parts of one title become one measurement."""
     found = {}
+    commands = {part['name']: part['command'] for part in report['parts']}
     for part in report['parts']:
         title, labels = KEPT.get(part['name'], (None, {}))
         figures = {}
@@ -115,7 +120,8 @@ def kept_of(report):
             if isinstance(number, (int, float)) and math.isfinite(number):
                 figures[label] = rounded(number)
         if figures:
-            new = {'title': title, 'command': command_text(part['command']), 'commit': report['version'],
+            command = commands.get(COMMAND_OF.get(part['name']), part['command'])
+            new = {'title': title, 'command': command_text(command), 'commit': report['version'],
                    'date': report['date'][:10], 'figures': {}}
             found.setdefault(title, new)['figures'].update(figures)
     return list(found.values())

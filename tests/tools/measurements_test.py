@@ -11,11 +11,13 @@ import sys
 
 REPORT = {'device': 'Card', 'version': '0123abcd', 'date': '2026-12-01 10:00 UTC', 'cores': 8, 'quick': False, 'parts': [
     {'name': 'bench slice', 'command': '/x/neuvv-bench slice /y/performer.nvv --json', 'code': 0,
-     'figures': {'density_ms': 0.04251, 'nodes_ms': 1234.5, 'entries_ms': None, 'slice_ms': 2}},
+     'figures': {'density_ms': 0.042513, 'nodes_ms': 1234.5, 'entries_ms': None, 'slice_ms': 2}},
     {'name': 'bench train 512', 'command': '/x/neuvv-bench train a b --tiles 512 --json', 'code': 0,
      'figures': {'mrays_per_second': 30}},
     {'name': 'bench train 2048', 'command': '/x/neuvv-bench train a b --tiles 2048 --json', 'code': 0,
      'figures': {'mrays_per_second': 100}},
+    {'name': 'train performer', 'command': '/x/neuvv train /y/capture -o p.nvv --minutes 8', 'code': 0},
+    {'name': 'eval performer', 'command': '/x/neuvv eval p.nvv --json -', 'code': 0, 'figures': {'psnr': 35.12345}},
     {'name': 'bench walk', 'command': '', 'skipped': 'it is not built'}]}
 
 
@@ -57,13 +59,15 @@ def check_keep(copy):
     report.write_text(json.dumps(changed), encoding='utf-8')
     run(copy, '--keep', 'Card', '-o', report.parent)
     kept = json.loads((copy / 'engine/measurements/Card.json').read_text(encoding='utf-8'))
-    slices, steps = kept['measurements']
-    expect(slices['figures'] == {'density, ms': 0.0425, 'nodes, ms': 1230, 'all of it, ms': 2}, f'{slices}')
+    slices, steps, training = kept['measurements']
+    expect(slices['figures'] == {'density, ms': 0.04251, 'nodes, ms': 1234, 'all of it, ms': 2}, f'{slices}')
     expect(slices['command'] == 'neuvv-bench slice performer.nvv' and slices['commit'] == '0123abcd', f'{slices}')
     expect(steps['figures'] == {'512 tiles': 31, '2048 tiles': 100} and steps['commit'] == '4567cdef', f'{steps}')
+    expect(training['command'] == 'neuvv train capture -o p.nvv --minutes 8', f'{training}')
+    expect(training['figures'] == {'PSNR of held-out views, dB': 35.12}, f'{training}')
     page = (copy / 'engine/MEASUREMENTS.md').read_text(encoding='utf-8')
     expect('- Card: `neuvv-bench slice performer.nvv`, 0123abcd, 2026-12-01' in page, 'the page lacks what was kept')
-    expect('|nodes, ms|1230|' in page, 'the page lacks a figure')
+    expect('|nodes, ms|1234|' in page, 'the page lacks a figure')
 
 
 def check_refusals(copy):
