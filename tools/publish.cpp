@@ -45,7 +45,7 @@ struct PublishOptions {
 constexpr int kStepSizes = 33, kUsualSteps = 16;
 
 // Steps of the coefficients at kUsualSteps, by stream::Kind. Steps in other proportions lost more for the bytes that
-// they save, or the same (engine/stream/README.md).
+// they save, or the same.
 stream::Steps steps_of(int strength) {
     constexpr std::array<double, stream::kKinds> kSteps = {0.22, 0.066, 0.145, 0.145, 0.085, 0.185};
     const double scale = std::exp2((strength - kUsualSteps) / 4.0);
