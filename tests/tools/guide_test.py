@@ -13,6 +13,8 @@ small files stand in for what takes long to make. A block with a command that ca
     <!-- not run: the reason -->
 
 and no other block may have it. What such a block has besides is run, too.
+
+Of commands and options between the lines, in `backquotes`, the names are checked: an option must be one of a command of its page.
 """
 import os
 import pathlib
@@ -34,6 +36,7 @@ QUICK_EXPORTS = {'camera', 'nerfstudio', 'instant-ngp', 'layout'}
 # A clip of more than a second, and the data set that it was trained on.
 SMALL_CAPTURE = 'capture tools/performer/performer.glb -o small/performer --cameras 6 --frames 28 --size 64x64'
 SMALL_TRAINING = 'train small/performer -o small/performer.nvv --steps 30'
+OTHERS_OPTIONS = {'--enable-recovery', '--allow-run-as-root', '--mca', '--bind-to'}  # of mpirun
 NOT_RUN = re.compile(r'<!-- not run: \w.* -->')
 failed = []
 
@@ -236,6 +239,25 @@ def check_block(block, checker, runner, made):
              'something of it cannot be run: write <!-- not run: REASON --> before it')
 
 
+def check_prose(page, checker):
+    """Commands and options that the text between the blocks names."""
+    text = '\n'.join(line for line in page.read_text(encoding='utf-8').splitlines() if not line.startswith('    '))
+    codes = re.findall(r'`([^`]+)`', text)
+    lines = [line for block in blocks(page) for _, line in block.lines]
+    known = set(OTHERS_OPTIONS)
+    for program, words, _ in [command for line in lines + codes for command in commands(line)]:
+        if program in checker.programs:
+            after = words.index('--') + 1 if '--' in words else 0  # neuvv cluster sbatch -- train …
+            for own in (words[2:] if words[:1] == ['--device'] else words, words[after:]):
+                known |= checker.help_of(program, checker.verbs_of(program, own))[0]
+        elif program.startswith('tools/'):
+            known |= set(re.findall('--[a-z-]+', (checker.root / program).read_text(encoding='utf-8')))
+    for code in codes:
+        for option in re.findall(r'(?<![\w-])--[a-z][a-z-]*', code):
+            if option not in known:
+                fail(page.name, f'no command of this page has {option} (`{code}`)')
+
+
 def pages_of_guide(root):
     contents = root / 'tools/GUIDE.md'
     pages = [contents.parent / name for name in re.findall(r'\((guide/[a-z]+\.md)\)', contents.read_text(encoding='utf-8'))]
@@ -253,6 +275,7 @@ def main():
         for page in pages_of_guide(root):
             for block in blocks(page):
                 check_block(block, checker, runner, made)
+            check_prose(page, checker)
     for block in blocks(root / 'README.md'):
         check_block(block, checker, None, by_demo)
     if checker.checked < 100 or runner.ran < 40:
