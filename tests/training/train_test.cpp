@@ -5,6 +5,7 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 
 #include "base/error.h"
@@ -405,6 +406,30 @@ TEST_F(KilledRun, RefinesOnlyWhatItKnows) {
     ChildProcess unknown(words, log_);
     EXPECT_EQ(unknown.wait(), 2);
     EXPECT_NE(read_text(log_).find("lens"), std::string::npos) << read_text(log_);
+}
+
+// Ctrl-C while a draft looks for errors of the rig: what it found by then is said, and the run can go on.
+TEST_F(KilledRun, CtrlCInTheSearchKeepsWhatWasFound) {
+    const TemporaryFolder folder;
+    write_capture(folder.path, sphere_dataset({.cameras = 16, .frames = 4, .size = 96}));
+    std::vector<std::string> words = command(10000000, false);
+    words[2] = folder.path.string();
+    words.insert(words.end(), {"--refine", "auto"});
+    ASSERT_EQ(setenv("NEUVV_STATUS_MS", "1", 1), 0);
+    ChildProcess child(words, log_);
+    unsetenv("NEUVV_STATUS_MS");
+    const std::regex kRound("round [1-9]");
+    ASSERT_TRUE(child.until([&] { return std::regex_search(read_text(log_), kRound); })) << read_text(log_);
+    EXPECT_FALSE(std::filesystem::exists(nvv_));
+    child.send(SIGINT);
+    EXPECT_EQ(child.wait(), 0) << read_text(log_);
+    for (const char* said : {"a draft looks for errors of the rig for about", "the draft ended before its end",
+                             "--refine auto: ", "interrupted; the same command with --resume"})
+        EXPECT_NE(read_text(log_).find(said), std::string::npos) << said << " in\n" << read_text(log_);
+    words = command(training::load_checkpoint(nvv_).run.step + 3, true);
+    words[2] = folder.path.string();
+    ChildProcess again(words, log_);
+    EXPECT_EQ(again.wait(), 0) << read_text(log_);
 }
 
 TEST_F(KilledRun, ResumeWithoutAStateIsBadInput) {
