@@ -237,7 +237,7 @@ void report_rig(const DatasetOptions& options, const CommonOptions& common) {
         training::read_rig(options.folder, training::Split::kTrain, options.format, options.holdout);
     training::Dataset dataset = training::read_images(rig, {.format = options.format});
     training::ignore_doubtful_mattes(dataset);
-    const auto found = search_rig(device, dataset, {.steps = 1}, {true, true, true}, true);
+    const auto found = search_rig(device, dataset, {.steps = UINT32_MAX}, {true, true, true}, true);
     if (!found) {
         fmt::print("interrupted\n");
         return;

@@ -387,7 +387,8 @@ void add_train(Command app, CommonOptions& common) {
         "What else is learnt, of the cameras, one or more after commas. colour: gains and white balance; "
         "exposure: of each image; vignetting: lenses that darken towards the corners; poses: corrections "
         "of poses and focal lengths; time: cameras that are late, not together with poses; auto, alone: those of "
-        "these that are worth it. The last three begin with a search, of a fifth of --minutes at most "
+        "these that are worth it. The last three begin with a search, of a fifth of --minutes or --steps at "
+        "most "
         "(default: nothing)");
     const Option plan = add_segment_options(verb, *options);
     add_run_options(verb, *options, plan);

@@ -164,7 +164,11 @@ TrainSettings RigSearch::draft_settings() const {
     const BatchSampler sampler(draft_, draft.tiles_per_step, settings_.seed);
     const double rays_per_step = static_cast<double>(draft.tiles_per_step) * kTilePixels;
     const double steps = kDraftEpochs * static_cast<double>(sampler.rays_per_epoch()) / rays_per_step;
-    draft.steps = static_cast<uint64_t>(std::ceil(std::max(steps, double{2 * kRounds}) / kDraftEnd));
+    draft.steps = static_cast<uint64_t>(std::ceil(steps / kDraftEnd));
+    if (settings_.steps > 0)
+        draft.steps = std::min(draft.steps,
+                               static_cast<uint64_t>(kMostOfBudget * static_cast<double>(settings_.steps) / kDraftEnd));
+    draft.steps = std::max(draft.steps, static_cast<uint64_t>(std::ceil(2 * kRounds / kDraftEnd)));
     const double minutes = settings_.minutes > 0 ? settings_.minutes : kDefaultMinutes;
     draft.minutes = settings_.steps > 0 ? 0 : kMostOfBudget * minutes / kDraftEnd;
     draft.shape = settings_.shape;
@@ -248,7 +252,8 @@ std::optional<RigFindings> RigSearch::operator()(const gpu::Device& device, cons
         if (progress_.rounds < kRounds && progress_.fraction >= due) make_round(now);
         return progress_.fraction < 1 && !stopped;
     };
-    train(device, draft_, draft, {}, [&](const TrainProgress&) {
+    train(device, draft_, draft, {}, [&](const TrainProgress& now) {
+        progress_.steps = now.step;
         progress_.elapsed_s = seconds_now() - began_;
         if (progress_.fraction > 0) progress_.eta_s = progress_.elapsed_s * (1 / progress_.fraction - 1);
         if (progress_.most_s > 0)

@@ -27,7 +27,8 @@ struct RigFindings {
 };
 
 struct RigSearchProgress {
-    double most_s = 0;  // that the search may take; 0: no bound
+    double most_s = 0;   // that the search may take; 0: no bound
+    uint64_t steps = 0;  // of the draft, done so far
     double fraction = 0, elapsed_s = 0, eta_s = 0;
     uint32_t rounds = 0;        // done so far
     double motion_px = 0;       // by how much the poses found so far move images: root of the mean square, pixels
@@ -39,9 +40,9 @@ using RigSearchCallback = std::function<bool(const RigSearchProgress&)>;
 
 // Without `move_cameras`, all stay where they are, and only times are found (and colours): a camera that is late and
 // one that stands elsewhere look alike, so that what moves them hides how late they are. Shape, seed, losses and
-// `refine` are those of `settings`; of its budget in minutes, the search takes at most a fifth. Where that is spent
-// before the draft is done, or the callback stops the search, what was found until then is returned; nothing where no
-// round was done.
+// `refine` are those of `settings`; of its budget in minutes or in steps, the search takes at most a fifth, but not
+// fewer steps than its rounds need. Where minutes are spent before the draft is done, or the callback stops the search,
+// what was found until then is returned; nothing where no round was done.
 // Cameras without an image at the chosen times move only by what all have in common. Images of up to four frames are
 // copied into memory. Throws InputError and RuntimeFailure as train() does.
 std::optional<RigFindings> search_rig(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings,

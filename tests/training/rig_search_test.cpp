@@ -92,6 +92,28 @@ TEST_F(RigSearchTest, StopsWhereItsCallbackSaysSo) {
     });
 }
 
+TEST_F(RigSearchTest, TakesAFifthOfTheSteps) {
+    const training::Dataset dataset = sphere_dataset({.cameras = 12, .frames = 4, .size = 48});
+    training::TrainSettings settings;
+    settings.shape = {.resolution = 40, .bases = 1, .hh_degree = 0};
+    settings.tiles_per_step = 1;  // as few as the search allows, so that the draft has many steps
+    const auto steps_of = [&](uint64_t budget) {
+        settings.steps = budget;
+        uint64_t steps = 0;
+        const auto found =
+            training::search_rig(device(), dataset, settings, true, [&](const training::RigSearchProgress& now) {
+                steps = now.steps;
+                return true;
+            });
+        EXPECT_TRUE(found && found->whole) << budget;
+        return steps;
+    };
+    EXPECT_EQ(steps_of(400), 80u);
+    EXPECT_GT(steps_of(1'000'000), 80u) << "as long as it likes";
+    const uint64_t least = steps_of(3);
+    EXPECT_TRUE(least >= 60 && least <= 61) << least << ": two for each round";
+}
+
 // Poses are corrected where the draft is sure of them.
 TEST(RigFindings, AreWorthwhileWhereTheDraftIsSure) {
     training::RigFindings found;
