@@ -61,8 +61,8 @@ void run_capture(Options& options, const CommonOptions& common) {
     if (!result.complete) throw RuntimeFailure("stopped before the end; nothing was written");
     unfinished.finish();
     if (!result.no_skeleton.empty()) say("no {}: {}\n", training::kTrueSkeleton, result.no_skeleton);
-    fmt::print("{}: {} images, {} train and {} test cameras\n", options.folder, result.images, result.train_cameras,
-               result.test_cameras);
+    tell("{}: {} images, {} train and {} test cameras\n", options.folder, result.images, result.train_cameras,
+         result.test_cameras);
 }
 
 }  // namespace

@@ -119,8 +119,7 @@ void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& 
         if (const std::string text = unfinished_text(piece); !text.empty()) say("{}\n", text);
     if (pieces.size() > 1) voctree::write_clip_index(clip.folder(), index);
     clip.finish(pieces.size() > 1 ? clip.folder() : index.segments[0].file);
-    fmt::print("wrote {}: {} frames in {} segment{}\n", output, index.frames(), pieces.size(),
-               pieces.size() == 1 ? "" : "s");
+    tell("wrote {}: {} frames in {} segment{}\n", output, index.frames(), pieces.size(), pieces.size() == 1 ? "" : "s");
 }
 
 // A part of a clip: what of its sound belongs to it, from a second on.

@@ -13,6 +13,7 @@
 #include "media/image_sink.h"
 #include "tools/commands.h"
 #include "tools/render_part.h"
+#include "tools/say.h"
 #include "voctree/clip_index.h"
 
 namespace neuvv::tools {
@@ -181,7 +182,7 @@ exit $code
 void run_or_throw(const std::vector<std::string>& words) {
     const ProgramOutput result = run_program(words);
     if (result.code == 0) {
-        fmt::print("{}", result.text);
+        tell("{}", result.text);
         return;
     }
     std::string line = result.text.substr(0, result.text.find_last_not_of('\n') + 1);
@@ -207,17 +208,17 @@ void run(const ClusterOptions& options, bool overwrite) {
     const std::filesystem::path script = job.folder / "job.sh";
     write_text_file(script, script_of(options, program, job));
     if (options.dry_run) {
-        fmt::print("wrote {}; `sbatch {}` submits it\n", script.string(), quoted(script.string()));
+        tell("wrote {}; `sbatch {}` submits it\n", script.string(), quoted(script.string()));
         return;
     }
     if (!trains && !has(options.command, "--resume"))
         media::forget_renders(media::parse_output(output_of(options.command, "")));
     run_or_throw({"sbatch", script.string()});
     if (trains)
-        fmt::print("`neuvv info {}` says how far it is; ", job.folder.string());
+        tell("`neuvv info {}` says how far it is; ", job.folder.string());
     else
-        fmt::print("`squeue` lists the tasks that are left; ");
-    fmt::print("the tasks' logs are {}/log-*.txt\n", job.folder.string());
+        tell("`squeue` lists the tasks that are left; ");
+    tell("the tasks' logs are {}/log-*.txt\n", job.folder.string());
 }
 
 }  // namespace

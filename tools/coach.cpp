@@ -172,7 +172,7 @@ void run_coach(const CoachOptions& options, const CommonOptions& common) {
     if (coach.recorded().frames.empty()) {
         if (coach.settings().mode == coach::Mode::kPerform)
             throw InputError(options.against, "", "has no pose while the stage lasts", "name a longer motion");
-        fmt::print("{}: {} images\n", options.output, images);
+        tell("{}: {} images\n", options.output, images);
         return;
     }
     const motion::CompareOptions& compare = coach.settings().compare;
@@ -182,10 +182,10 @@ void run_coach(const CoachOptions& options, const CommonOptions& common) {
                                                   coach.recorded(), found, compare.tolerances));
     if (!options.html.empty()) say("wrote {}\n", options.html);
     if (options.json) {
-        fmt::print("{}", json_text(comparison_json(found)));
+        tell("{}", json_text(comparison_json(found)));
         return;
     }
-    fmt::print("{}: {} images\n", options.output, images);
+    tell("{}: {} images\n", options.output, images);
     print_comparison(found);
 }
 

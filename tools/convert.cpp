@@ -146,20 +146,20 @@ Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
 void run(const ConvertOptions& options, const CommonOptions& common) {
     const Outcome outcome = convert(options, common);
     if (options.json)
-        fmt::print("{}", json_text({{"input", options.scene},
-                                    {"output", options.output},
-                                    {"quality_db", options.quality},
-                                    {"psnr_db", outcome.psnr},
-                                    {"error", outcome.error},
-                                    {"bytes_before", outcome.bytes_before},
-                                    {"bytes", outcome.bytes},
-                                    {"leaves_before", outcome.leaves_before},
-                                    {"leaves", outcome.leaves}}));
+        tell("{}", json_text({{"input", options.scene},
+                              {"output", options.output},
+                              {"quality_db", options.quality},
+                              {"psnr_db", outcome.psnr},
+                              {"error", outcome.error},
+                              {"bytes_before", outcome.bytes_before},
+                              {"bytes", outcome.bytes},
+                              {"leaves_before", outcome.leaves_before},
+                              {"leaves", outcome.leaves}}));
     else
-        fmt::print("{}: {} instead of {} ({:.0f} %), {} leaves instead of {}; the worst of {} images has {:.1f} dB\n",
-                   options.output, size_text(outcome.bytes), size_text(outcome.bytes_before),
-                   100 * static_cast<double>(outcome.bytes) / static_cast<double>(outcome.bytes_before), outcome.leaves,
-                   outcome.leaves_before, outcome.images, outcome.psnr);
+        tell("{}: {} instead of {} ({:.0f} %), {} leaves instead of {}; the worst of {} images has {:.1f} dB\n",
+             options.output, size_text(outcome.bytes), size_text(outcome.bytes_before),
+             100 * static_cast<double>(outcome.bytes) / static_cast<double>(outcome.bytes_before), outcome.leaves,
+             outcome.leaves_before, outcome.images, outcome.psnr);
     if (outcome.bytes >= outcome.bytes_before)
         say("{} was packed as well already: a lower --quality makes it smaller\n", options.scene);
 }

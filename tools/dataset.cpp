@@ -17,6 +17,7 @@
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/rig_drawing.h"
+#include "tools/say.h"
 #include "training/evaluation/contact_sheet.h"
 #include "training/hull_box.h"
 #include "training/images.h"
@@ -130,7 +131,7 @@ std::string names_text(const std::vector<training::RigCamera>& cameras) {
 
 // A line of the report.
 void print_field(const char* field, const std::string& text) {
-    fmt::print("{:<9} {}\n", field, text);
+    tell("{:<9} {}\n", field, text);
 }
 
 void print_lenses(const training::Rig& rig, const training::Dataset& sample) {
@@ -226,7 +227,7 @@ void draw(const std::filesystem::path& folder, const training::Rig& rig, const s
         draw_text(sheet, static_cast<int>(i % columns * kSheetCell + 4), static_cast<int>(i / columns * kSheetCell + 4),
                   names[i], {200, 0, 120});
     media::write_png(folder / "contact_sheet.png", sheet);
-    fmt::print("wrote {} and contact_sheet.png\n", (folder / "rig.png").string());
+    tell("wrote {} and contact_sheet.png\n", (folder / "rig.png").string());
 }
 
 // Trains a draft of the training images, and says what it found out about each camera.
@@ -239,14 +240,14 @@ void report_rig(const DatasetOptions& options, const CommonOptions& common) {
     training::ignore_doubtful_mattes(dataset);
     const auto found = search_rig(device, dataset, {.steps = UINT32_MAX}, {true, true, true}, true);
     if (!found) {
-        fmt::print("interrupted\n");
+        tell("interrupted\n");
         return;
     }
     print_findings(*found, rig.cameras);
     if (options.output.empty()) return;
     const std::filesystem::path path = std::filesystem::path(options.output) / "cameras.png";
     media::write_png(path, draw_findings(*found, rig.cameras));
-    fmt::print("wrote {}\n", path.string());
+    tell("wrote {}\n", path.string());
 }
 
 void run(const DatasetOptions& options) {
@@ -273,12 +274,12 @@ void run(const DatasetOptions& options) {
         return training::hull_box(images);
     };
     const auto hull = matte ? try_to_find(find_hull) : Finding<Box>{{}, "not known without mattes"};
-    fmt::print("{}: {}, calibrated by {}\n", options.folder, rig.format, rig.file);
+    tell("{}: {}, calibrated by {}\n", options.folder, rig.format, rig.file);
     for (const auto& [name, split] : {std::pair("train", &train), std::pair("test", &test)})
         print_field(name, split->found ? fmt::format("{} cameras:{}", split->found->cameras.size(),
                                                      names_text(split->found->cameras))
                                        : "none: " + split->missing);
-    fmt::print("of the {} split:\n", options.split);
+    tell("of the {} split:\n", options.split);
     print_field("world", rig.world);
     print_lenses(rig, images);
     print_frames(rig);
@@ -286,7 +287,7 @@ void run(const DatasetOptions& options) {
     print_box(rig, hull);
     print_memory(rig, sample, images);
     for (const std::string& remark : rig.remarks) print_field("note", remark);
-    fmt::print("{}", doubtful_mattes_text(images, doubtful));
+    tell("{}", doubtful_mattes_text(images, doubtful));
     if (options.output.empty()) return;
     const auto cameras = [](const Finding<training::Rig>& split) {
         return split.found ? split.found->cameras : std::vector<training::RigCamera>();

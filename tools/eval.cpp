@@ -132,12 +132,12 @@ struct PageCollector {
 };
 
 void print_row(const std::string& name, size_t images, const training::Quality& quality) {
-    fmt::print("{:<12} {:>7} {:>9.3f} {:>9.5f} {:>9.5f} {:>9.5f}\n", name, images, quality.psnr, quality.ssim,
-               quality.mae, quality.flip);
+    tell("{:<12} {:>7} {:>9.3f} {:>9.5f} {:>9.5f} {:>9.5f}\n", name, images, quality.psnr, quality.ssim, quality.mae,
+         quality.flip);
 }
 
 void print(const training::Evaluation& evaluation, const training::Dataset& dataset, const std::string& per) {
-    fmt::print("{:<12} {:>7} {:>9} {:>9} {:>9} {:>9}\n", per, "images", "PSNR dB", "SSIM", "MAE", "FLIP");
+    tell("{:<12} {:>7} {:>9} {:>9} {:>9} {:>9}\n", per, "images", "PSNR dB", "SSIM", "MAE", "FLIP");
     const std::vector<std::string> labels = training::camera_labels(dataset);
     const std::vector<training::Evaluation::Group>& groups = per == "frame" ? evaluation.frames : evaluation.cameras;
     for (size_t i = 0; i < groups.size(); ++i)
@@ -156,13 +156,12 @@ std::vector<size_t> cuts_of(const voctree::ClipIndex& clip) {
 }
 
 void print(const training::FlickerMeter::Summary& flicker) {
-    fmt::print(
-        "flicker, steps of 255 from frame to frame: {:.2f} where the truth stands still, {:.2f} where it moves\n",
-        flicker.others.still, flicker.others.moving);
+    tell("flicker, steps of 255 from frame to frame: {:.2f} where the truth stands still, {:.2f} where it moves\n",
+         flicker.others.still, flicker.others.moving);
     if (flicker.cut_count > 0)
-        fmt::print("in {} steps from segment to segment: {:.2f} ({:.2f} times) and {:.2f} ({:.2f} times)\n",
-                   flicker.cut_count, flicker.cuts.still, flicker.cuts.still / flicker.others.still,
-                   flicker.cuts.moving, flicker.cuts.moving / flicker.others.moving);
+        tell("in {} steps from segment to segment: {:.2f} ({:.2f} times) and {:.2f} ({:.2f} times)\n",
+             flicker.cut_count, flicker.cuts.still, flicker.cuts.still / flicker.others.still, flicker.cuts.moving,
+             flicker.cuts.moving / flicker.others.moving);
 }
 
 nlohmann::ordered_json json_of(const training::FlickerMeter::Summary& flicker) {
@@ -267,13 +266,13 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     if (alignment) facts["aligned"] = json_of(*alignment);
     if (!options.json.empty() && options.json != "-") write_text_file(options.json, json_text(facts));
     if (options.json == "-") {
-        fmt::print("{}", json_text(facts));
+        tell("{}", json_text(facts));
         return say_what_was_written(options);
     }
     print(evaluation, dataset, options.per);
-    if (alignment) fmt::print("{}\n", text_of(*alignment));
+    if (alignment) tell("{}\n", text_of(*alignment));
     if (flicker) print(*flicker);
-    if (network) fmt::print("LPIPS, mean over images: {:.5f}\n", mean_lpips(lpips));
+    if (network) tell("LPIPS, mean over images: {:.5f}\n", mean_lpips(lpips));
     say_what_was_written(options);
 }
 

@@ -184,17 +184,16 @@ void run(const FrameImportOptions& options, const CommonOptions& common) {
         if (imported.psnr) json["worst_psnr_db"] = *imported.worst_psnr;
         json["empty_views"] = imported.empty_views;
         json["notes"] = imported.notes.all();
-        fmt::print("{}", json_text(json));
+        tell("{}", json_text(json));
         return;
     }
-    fmt::print("{}: {} for {} frames at {:.6g} fps, {} leaves", options.output, size_text(imported.bytes),
-               imported.frames, options.fps, imported.leaves);
+    tell("{}: {} for {} frames at {:.6g} fps, {} leaves", options.output, size_text(imported.bytes), imported.frames,
+         options.fps, imported.leaves);
     if (imported.psnr)
-        fmt::print("; images of the middle frame have {:.1f} dB, the worst {:.1f}", *imported.psnr,
-                   *imported.worst_psnr);
+        tell("; images of the middle frame have {:.1f} dB, the worst {:.1f}", *imported.psnr, *imported.worst_psnr);
     if (imported.empty_views > 0)
-        fmt::print("; {} of {} images of it show nothing and were not compared", imported.empty_views, options.views);
-    fmt::print("\n");
+        tell("; {} of {} images of it show nothing and were not compared", imported.empty_views, options.views);
+    tell("\n");
 }
 
 }  // namespace

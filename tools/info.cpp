@@ -83,27 +83,26 @@ nlohmann::ordered_json json_of(const InfoOptions& options, const voctree::NvvSum
 void print(const InfoOptions& options, const voctree::NvvSummary& summary) {
     const voctree::NvvHead& head = summary.head;
     const glm::vec3 low = head.box_min, high = head.box_min + head.box_size;
-    fmt::print("{}: {}, {}\n", options.file,
-               is_nvv(summary) ? fmt::format(".nvv version {}", summary.version) : "PlenOctree",
-               size_text(summary.file_bytes));
-    fmt::print("clip    {} frames at {} fps, {:.2f} s\n", head.frames, head.fps, clip_seconds(head));
-    fmt::print("box     ({:.3f}, {:.3f}, {:.3f}) to ({:.3f}, {:.3f}, {:.3f}) m\n", low.x, low.y, low.z, high.x, high.y,
-               high.z);
-    fmt::print("{}", capture_line(options.file));
-    fmt::print("octree  {} leaves in {} nodes of {} levels, up to {} cells a side\n", head.leaf_count, head.node_count,
-               head.node_levels, 1u << (2 * head.node_levels));
-    fmt::print("leaf    {} weights: C = {} twice, n_max = {} ({} functions) for R, G, B\n", weights_per_leaf(head),
-               head.bases, head.hh_degree, hh_count(head.hh_degree));
+    tell("{}: {}, {}\n", options.file, is_nvv(summary) ? fmt::format(".nvv version {}", summary.version) : "PlenOctree",
+         size_text(summary.file_bytes));
+    tell("clip    {} frames at {} fps, {:.2f} s\n", head.frames, head.fps, clip_seconds(head));
+    tell("box     ({:.3f}, {:.3f}, {:.3f}) to ({:.3f}, {:.3f}, {:.3f}) m\n", low.x, low.y, low.z, high.x, high.y,
+         high.z);
+    tell("{}", capture_line(options.file));
+    tell("octree  {} leaves in {} nodes of {} levels, up to {} cells a side\n", head.leaf_count, head.node_count,
+         head.node_levels, 1u << (2 * head.node_levels));
+    tell("leaf    {} weights: C = {} twice, n_max = {} ({} functions) for R, G, B\n", weights_per_leaf(head),
+         head.bases, head.hh_degree, hh_count(head.hh_degree));
     for (const voctree::NvvSummary::Chunk& chunk : summary.chunks) {
         const double share =
             static_cast<double>(chunk.stored_bytes) / std::max(1.0, static_cast<double>(chunk.raw_bytes));
-        fmt::print("{}    {:>10} stored as {:>10}, {:.0f} %\n", chunk.name, size_text(chunk.raw_bytes),
-                   size_text(chunk.stored_bytes), 100 * share);
+        tell("{}    {:>10} stored as {:>10}, {:.0f} %\n", chunk.name, size_text(chunk.raw_bytes),
+             size_text(chunk.stored_bytes), 100 * share);
     }
-    if (options.check) fmt::print("checked: whole and sound\n");
+    if (options.check) tell("checked: whole and sound\n");
     if (const auto claim = training::claim_of(options.file))
-        fmt::print("training: {} trains it, {:.0f} % done; this is its last checkpoint\n", claim->owner,
-                   100 * claim->fraction);
+        tell("training: {} trains it, {:.0f} % done; this is its last checkpoint\n", claim->owner,
+             100 * claim->fraction);
 }
 
 // Adds to a segment's JSON how far its training is, where it is not finished; returns that for a line.
@@ -168,21 +167,21 @@ SegmentProblems print_segments(const InfoOptions& options) {
     }
     const double seconds = index.frames() / static_cast<double>(index.fps);
     if (options.json) {
-        fmt::print("{}", json_text({{"file", options.file},
-                                    {"format", "segmented nvv"},
-                                    {"bytes", bytes},
-                                    {"leaves", leaves},
-                                    {"frames", index.frames()},
-                                    {"fps", index.fps},
-                                    {"seconds", seconds},
-                                    {"capture", capture_json(options.file)},
-                                    {"segments", json},
-                                    {"checked", options.check}}));
+        tell("{}", json_text({{"file", options.file},
+                              {"format", "segmented nvv"},
+                              {"bytes", bytes},
+                              {"leaves", leaves},
+                              {"frames", index.frames()},
+                              {"fps", index.fps},
+                              {"seconds", seconds},
+                              {"capture", capture_json(options.file)},
+                              {"segments", json},
+                              {"checked", options.check}}));
         return problems;
     }
-    fmt::print("{}: clip in {} segments, {}\nclip    {} frames at {} fps, {:.2f} s\n{}{}", options.file,
-               index.segments.size(), size_text(bytes), index.frames(), index.fps, seconds, capture_line(options.file),
-               lines);
+    tell("{}: clip in {} segments, {}\nclip    {} frames at {} fps, {:.2f} s\n{}{}", options.file,
+         index.segments.size(), size_text(bytes), index.frames(), index.fps, seconds, capture_line(options.file),
+         lines);
     return problems;
 }
 
@@ -210,7 +209,7 @@ void run(const InfoOptions& options, const CommonOptions& common) {
         voctree::read_nvv(options.file);
     }
     if (options.json)
-        fmt::print("{}", json_text(json_of(options, summary)));
+        tell("{}", json_text(json_of(options, summary)));
     else
         print(options, summary);
 }

@@ -71,8 +71,8 @@ void run_matte(MatteOptions options) {
     progress.finish();
     if (!made.missing_split.empty())
         say("one split alone has mattes now, the other cannot be read: {}\n", made.missing_split);
-    fmt::print("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",
-               made.images, made.cameras, made.cameras_with_plate, what.output.string());
+    tell("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",
+         made.images, made.cameras, made.cameras_with_plate, what.output.string());
     if (stop_requested()) throw RuntimeFailure("stopped before the end; the same command with --overwrite begins anew");
 }
 

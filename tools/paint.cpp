@@ -87,7 +87,7 @@ void print_layer(const PaintOptions& options, const PaintedScene& scene, const L
         const std::string segments =
             scene.is_segmented() ? fmt::format("in {} of {} segments, ", totals.segments, scene.index.segments.size())
                                  : "";
-        fmt::print(
+        tell(
             "{}: {}{} edits, each of a leaf and some frames; {} of {} leaves have any: {} colours, {} densities, {} "
             "erased\n",
             options.layer, segments, totals.edits, totals.leaves, totals.field_leaves, totals.colours, totals.densities,
@@ -104,7 +104,7 @@ void print_layer(const PaintOptions& options, const PaintedScene& scene, const L
                                    {"frames", scene.index.frames()}};
     if (scene.is_segmented()) json["segments"] = totals.segments;
     if (scene.staged) json["stage"] = stage_json(*scene.staged);
-    fmt::print("{}", json_text(json));
+    tell("{}", json_text(json));
 }
 
 // Saves the stage and prints what the layer holds now; of a clip in segments, in those that were painted.
@@ -112,7 +112,7 @@ void finish(const PaintOptions& options, const PaintedScene& scene, const LayerT
     scene.save_stage(options);
     print_layer(options, scene, totals);
     if (scene.staged && !scene.staged->change.empty() && !options.json)
-        fmt::print("{}: {}\n", options.scene, scene.staged->change);
+        tell("{}: {}\n", options.scene, scene.staged->change);
 }
 
 // Paints a clip that is one file. Returns whether there was any leaf to paint.

@@ -248,14 +248,14 @@ void run(const PublishOptions& options, const CommonOptions& common) {
             {"frames", index.frames.size()}, {"bytes_per_frame", bytes_per_frame}, {"mbps", mbps}};
         if (!scene.layers.empty()) json["paint_layers"] = scene.layers.size();
         if (!options.rate_mbps) json["psnr_db"] = published.psnr;
-        fmt::print("{}", json_text(json));
+        tell("{}", json_text(json));
         return;
     }
     const std::string quality = options.rate_mbps ? "" : fmt::format("; the worst image has {:.1f} dB", published.psnr);
     const std::string paint =
         scene.layers.empty() ? "" : fmt::format("; visible layers of paint: {}", scene.layers.size());
-    fmt::print("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}{}\n", options.output, size_text(published.bytes),
-               index.frames.size(), bytes_per_frame / 1000, mbps, quality, paint);
+    tell("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}{}\n", options.output, size_text(published.bytes),
+         index.frames.size(), bytes_per_frame / 1000, mbps, quality, paint);
     if (options.rate_mbps && published.most_mbps > *options.rate_mbps)
         say("{}: up to {:.1f} Mbit/s, not {}, though rounded as coarsely as is possible\n", options.output,
             published.most_mbps, *options.rate_mbps);

@@ -63,10 +63,10 @@ void print_colours(const training::CameraColours& colours, const std::vector<tra
     bool agree = true;
     for (size_t i = 0; i < colours.cameras(); i++) {
         const std::string text = colour_text(colours, i);
-        if (!text.empty()) fmt::print("camera {}: {}\n", cameras[i].name, text.substr(2));
+        if (!text.empty()) tell("camera {}: {}\n", cameras[i].name, text.substr(2));
         agree &= text.empty();
     }
-    if (agree) fmt::print("the colours of all cameras agree within {:.0f} %\n", 100 * kEqualGains);
+    if (agree) tell("the colours of all cameras agree within {:.0f} %\n", 100 * kEqualGains);
 }
 
 constexpr double kStillPixels = 0.25;  // poses that move images less are not worth a line
@@ -79,7 +79,7 @@ void print_poses(const std::vector<training::RefinedPose>& poses, const std::vec
         if (poses[i].motion_px < kStillPixels && !poses[i].at_bound) continue;
         const glm::dvec3 turn(change[training::kTurnX], change[training::kTurnY], change[training::kTurnZ]);
         const glm::dvec3 shift(change[training::kShiftX], change[training::kShiftY], change[training::kShiftZ]);
-        fmt::print(
+        tell(
             "camera {}: its image moved by {:.2f} pixels (turned by {:.2f}°, shifted by {:.1f} mm, focal length "
             "{:+.2f} %){}\n",
             cameras[i].name, poses[i].motion_px, glm::degrees(glm::length(turn)), 1000 * glm::length(shift),
@@ -87,7 +87,7 @@ void print_poses(const std::vector<training::RefinedPose>& poses, const std::vec
             poses[i].at_bound ? ": as far as a pose may move; its calibration is probably wrong" : "");
         still = false;
     }
-    if (still) fmt::print("the poses of all cameras stayed within {} pixels\n", kStillPixels);
+    if (still) tell("the poses of all cameras stayed within {} pixels\n", kStillPixels);
 }
 
 void print_times(const std::vector<double>& frames_late, const std::vector<training::RigCamera>& cameras) {
@@ -99,12 +99,12 @@ void print_times(const std::vector<double>& frames_late, const std::vector<train
         const bool between = training::is_between_frames(frames_late[i]);
         if (whole == 0 && !between) continue;
         agree = false;
-        fmt::print("camera {}: late by {:+.2f} frames; its images {}\n", cameras[i].name, frames_late[i],
-                   out[i]    ? "lie between frames, and were left out"
-                   : between ? "lie between frames, as those of many cameras do, and were used all the same"
-                             : fmt::format("were moved by {:+} frames", whole));
+        tell("camera {}: late by {:+.2f} frames; its images {}\n", cameras[i].name, frames_late[i],
+             out[i]    ? "lie between frames, and were left out"
+             : between ? "lie between frames, as those of many cameras do, and were used all the same"
+                       : fmt::format("were moved by {:+} frames", whole));
     }
-    if (agree) fmt::print("no camera was found to be late\n");
+    if (agree) tell("no camera was found to be late\n");
 }
 
 }  // namespace
@@ -202,21 +202,21 @@ std::string late_text(const training::RigFindings& findings, size_t camera) {
 
 void print_findings(const training::RigFindings& findings, const std::vector<training::RigCamera>& cameras) {
     const training::CameraColours& colours = findings.colours;
-    fmt::print("{:<14} {:>6} {:>7} {:>8} {:>8} {:>7}  {:<17} {:>8} {:>7}  {}\n", "camera", "dB", "off px", "turned",
-               "shifted", "focal", "gains R G B", "exposure", "corner", "late, frames");
+    tell("{:<14} {:>6} {:>7} {:>8} {:>8} {:>7}  {:<17} {:>8} {:>7}  {}\n", "camera", "dB", "off px", "turned",
+         "shifted", "focal", "gains R G B", "exposure", "corner", "late, frames");
     for (size_t i = 0; i < cameras.size(); i++) {
         const training::PoseChange& change = findings.changes.poses[i];
         const glm::dvec3 turn(change[training::kTurnX], change[training::kTurnY], change[training::kTurnZ]);
         const glm::dvec3 shift(change[training::kShiftX], change[training::kShiftY], change[training::kShiftZ]);
         const glm::vec3 gains = training::gains(colours.values[i]);
-        fmt::print(
+        tell(
             "{:<14} {:>6.2f} {:>7.2f} {:>7.2f}° {:>5.1f} mm {:>5.2f} %  {:.3f} {:.3f} {:.3f} {:>7.1f} % {:>7.3f}  {}\n",
             cameras[i].name, findings.psnr[i], findings.motion_px[i], glm::degrees(glm::length(turn)),
             1000 * glm::length(shift), 100 * std::expm1(change[training::kZoom]), gains.r, gains.g, gains.b,
             100 * training::exposure_error(colours, i), 1 - training::missing_at_corners(colours, i),
             late_text(findings, i));
     }
-    fmt::print("worth correcting (neuvv train --refine auto): {}\n", names_of(training::worthwhile(findings)));
+    tell("worth correcting (neuvv train --refine auto): {}\n", names_of(training::worthwhile(findings)));
 }
 
 namespace {

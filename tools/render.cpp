@@ -35,26 +35,26 @@ void run(const RenderOptions& options, const CommonOptions& common) {
         editor::has_stage_ending(options.scene) ? render_stage(options, common) : render_clip(options, common);
     const double mrays_per_s = totals.seconds > 0 ? totals.rays / totals.seconds / 1e6 : 0;
     if (options.json)
-        fmt::print("{}", json_text({{"output", options.output},
-                                    {"images", totals.images},
-                                    {"rendered", totals.rendered},
-                                    {"width", totals.size.width},
-                                    {"height", totals.size.height},
-                                    {"fps", totals.fps},
-                                    {"seconds", totals.seconds},
-                                    {"mrays_per_second", mrays_per_s}}));
+        tell("{}", json_text({{"output", options.output},
+                              {"images", totals.images},
+                              {"rendered", totals.rendered},
+                              {"width", totals.size.width},
+                              {"height", totals.size.height},
+                              {"fps", totals.fps},
+                              {"seconds", totals.seconds},
+                              {"mrays_per_second", mrays_per_s}}));
     else if (options.plan)
-        fmt::print("{}: {} images of {}x{}, {:g} a second\n", options.output, totals.images, totals.size.width,
-                   totals.size.height, totals.fps);
+        tell("{}: {} images of {}x{}, {:g} a second\n", options.output, totals.images, totals.size.width,
+             totals.size.height, totals.fps);
     else
-        fmt::print("{}: {} images of {}x{}, {} of them rendered now, {:.1f} ms each, {:.1f} Mrays/s\n", options.output,
-                   totals.images, totals.size.width, totals.size.height, totals.rendered,
-                   1000 * totals.seconds / static_cast<double>(std::max<size_t>(1, totals.rendered)), mrays_per_s);
+        tell("{}: {} images of {}x{}, {} of them rendered now, {:.1f} ms each, {:.1f} Mrays/s\n", options.output,
+             totals.images, totals.size.width, totals.size.height, totals.rendered,
+             1000 * totals.seconds / static_cast<double>(std::max<size_t>(1, totals.rendered)), mrays_per_s);
 }
 
 void print_passes() {
     for (const render::FramePass& pass : render::frame_passes())
-        fmt::print("{:<22} {} [{}]{}\n", pass.name, pass.shows, pass.unit, pass.needs_set ? ", of stages" : "");
+        tell("{:<22} {} [{}]{}\n", pass.name, pass.shows, pass.unit, pass.needs_set ? ", of stages" : "");
 }
 
 // `--pass list` prints and ends the program while options are parsed, so it needs none of the verb's other arguments.
@@ -303,7 +303,7 @@ media::Image pass_image(const RenderOptions& options, const render::FrameRendere
     if (options.json)
         say("{}", text);
     else
-        fmt::print("{}", text);
+        tell("{}", text);
     return render::colour_mapped(values, range.value_or(std::pair(0.0f, 1.0f)));
 }
 

@@ -18,6 +18,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "tools/skeleton_verbs.h"
 #include "tools/unfinished_folder.h"
 #include "tools/view_path.h"
@@ -75,8 +76,8 @@ void run_views(ViewsOptions& options, const CommonOptions& common) {
     progress.finish();
     if (!complete) throw RuntimeFailure("stopped before the end; nothing was written");
     unfinished.finish();
-    fmt::print("{0}: {1} views of {2} frames; write a detector's key points of {0}/images into {0}/key_points\n",
-               options.folder, options.settings.views, clip.frames);
+    tell("{0}: {1} views of {2} frames; write a detector's key points of {0}/images into {0}/key_points\n",
+         options.folder, options.settings.views, clip.frames);
 }
 
 struct ImportOptions {
@@ -98,9 +99,8 @@ void run_import(ImportOptions& options) {
     motion::write_skeleton(options.output, clip);
     size_t measured = 0;
     for (const motion::JointSample& sample : clip.frames[0]) measured += sample.measured;
-    fmt::print("{}: {} frames at {:.6g} a second, a body of {:.2f} m; {} of {} joints are measured\n", options.output,
-               clip.frames.size(), clip.fps, motion::body_height(motion::bone_lengths(clip)), measured,
-               motion::kJoints);
+    tell("{}: {} frames at {:.6g} a second, a body of {:.2f} m; {} of {} joints are measured\n", options.output,
+         clip.frames.size(), clip.fps, motion::body_height(motion::bone_lengths(clip)), measured, motion::kJoints);
 }
 
 struct BvhOptions {
@@ -114,8 +114,8 @@ void run_export(const BvhOptions& options) {
     prepare_result("--output", options.output);
     const motion::SkeletonClip clip = read_motion(options.input, {.animation = options.animation});
     motion::write_bvh(options.output, clip, options.unit == "cm" ? 100 : 1);
-    fmt::print("{}: {} frames at {:.6g} a second, in {}\n", options.output, clip.frames.size(), clip.fps,
-               options.unit == "cm" ? "centimetres" : "metres");
+    tell("{}: {} frames at {:.6g} a second, in {}\n", options.output, clip.frames.size(), clip.fps,
+         options.unit == "cm" ? "centimetres" : "metres");
 }
 
 struct ShowOptions {
@@ -178,7 +178,7 @@ void run_show(const ShowOptions& options, const CommonOptions& common) {
     }
     sink.finish(static_cast<uint32_t>(path.size()));
     progress.finish();
-    fmt::print("{}: left is blue, right is orange, estimated joints are grey\n", options.output);
+    tell("{}: left is blue, right is orange, estimated joints are grey\n", options.output);
 }
 
 void add_views(Command group, CommonOptions& common) {

@@ -59,13 +59,13 @@ nlohmann::ordered_json comparison_json(const motion::Comparison& comparison) {
 }
 
 void print_comparison(const motion::Comparison& comparison) {
-    fmt::print("score {:.0f} of 100\n", comparison.score);
+    tell("score {:.0f} of 100\n", comparison.score);
     for (size_t limb = 0; limb < motion::kLimbs; ++limb)
         if (comparison.limb_scores[limb] >= 0)
-            fmt::print("  {:<10} {:3.0f}\n", motion::kLimbNames[limb], comparison.limb_scores[limb]);
+            tell("  {:<10} {:3.0f}\n", motion::kLimbNames[limb], comparison.limb_scores[limb]);
         else
-            fmt::print("  {:<10}   -  not compared\n", motion::kLimbNames[limb]);
-    for (const motion::Mistake& mistake : comparison.mistakes) fmt::print("{}\n", text_of(mistake));
+            tell("  {:<10}   -  not compared\n", motion::kLimbNames[limb]);
+    for (const motion::Mistake& mistake : comparison.mistakes) tell("{}\n", text_of(mistake));
 }
 
 namespace {
@@ -89,7 +89,7 @@ void run_compare(CompareOptions& options) {
     for (const std::string& written : {options.html, options.csv})
         if (!written.empty()) say("wrote {}\n", written);
     if (options.json) {
-        fmt::print("{}", json_text(comparison_json(found)));
+        tell("{}", json_text(comparison_json(found)));
         return;
     }
     print_comparison(found);
@@ -110,7 +110,7 @@ void print_changes(double time_s, const motion::Feedback& feedback, std::array<b
                                  : limb.late_s > 0 ? fmt::format("{:.1f} s late", limb.late_s)
                                  : limb.late_s < 0 ? fmt::format("{:.1f} s early", -limb.late_s)
                                                    : fmt::format("{:.0f}° off", limb.error_deg);
-        fmt::print("{:7.2f} s  {}: {}\n", time_s, motion::kLimbNames[i], text);
+        tell("{:7.2f} s  {}: {}\n", time_s, motion::kLimbNames[i], text);
         std::fflush(stdout);
     }
 }
@@ -132,11 +132,10 @@ class Follower {
     void print_score() const {
         const auto known = [](const motion::LimbFeedback& limb) { return limb.error_deg >= 0; };
         if (live_.feedback().score < 0)
-            fmt::print("no score: {}\n", std::ranges::any_of(live_.feedback().limbs, known)
-                                             ? "the poses are too few"
-                                             : "no limb was measured in both");
+            tell("no score: {}\n", std::ranges::any_of(live_.feedback().limbs, known) ? "the poses are too few"
+                                                                                      : "no limb was measured in both");
         else
-            fmt::print("score {:.0f} of 100\n", live_.feedback().score);
+            tell("score {:.0f} of 100\n", live_.feedback().score);
     }
 
   private:

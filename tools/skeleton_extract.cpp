@@ -109,18 +109,18 @@ std::vector<training::Rig> read_splits(const std::string& folder) {
 
 void print_quality(const motion::Extraction& found, const motion::Detections& seen) {
     const motion::ExtractQuality& quality = found.quality;
-    fmt::print("joint              seen off by     in frames\n");
+    tell("joint              seen off by     in frames\n");
     for (size_t j = 0; j < motion::kJoints; ++j)
-        fmt::print("{:<18} {:7.2f} % {:12.0f} %{}\n", motion::info_of(motion::joint_at(j)).name, 100 * quality.error[j],
-                   100 * quality.known[j], seen.lacking[j] ? "  (the detector lacks it)" : "");
-    fmt::print(
+        tell("{:<18} {:7.2f} % {:12.0f} %{}\n", motion::info_of(motion::joint_at(j)).name, 100 * quality.error[j],
+             100 * quality.known[j], seen.lacking[j] ? "  (the detector lacks it)" : "");
+    tell(
         "a body of {:.2f} m; errors are shares of it. {} arms and legs were exchanged back, {:.1f} % of {} key points "
         "contradict the others\n",
         quality.height_m, quality.swapped,
         100.0 * static_cast<double>(quality.outliers) / static_cast<double>(std::max<size_t>(quality.key_points, 1)),
         quality.key_points);
     if (seen.images_with_others > 0)
-        fmt::print("{} images show several people: the most confident one of each counted\n", seen.images_with_others);
+        tell("{} images show several people: the most confident one of each counted\n", seen.images_with_others);
 }
 
 motion::PixelScale pixel_scale(const std::string& name) {
@@ -197,7 +197,7 @@ void run_extract(const ExtractOptions& options) {
     const motion::Extraction found = motion::extract_skeleton(seen, {!options.each_frame});
     motion::write_skeleton(options.output, found.clip);
     print_quality(found, seen);
-    fmt::print("wrote {}\n", options.output);
+    tell("wrote {}\n", options.output);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "tools/stage_verbs.h"
 #include "voctree/clip.h"
 #include "voctree/nvpaint.h"
@@ -74,7 +75,7 @@ void add_new(Command stage) {
         prepare_result("STAGE", *output);  // what another program made meanwhile stays
         stage::StageFile file = edit::new_stage(*output);
         stage::save_stage_file(file, *output);
-        fmt::print("{}: a floor, \"camera\" and the spotlight \"key\"\n", *output);
+        tell("{}: a floor, \"camera\" and the spotlight \"key\"\n", *output);
     });
 }
 

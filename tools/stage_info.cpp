@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json.h"
-#include "base/text.h"
 #include "edit/operations.h"
 #include "gpu/device.h"
 #include "render/clip_files.h"
@@ -17,6 +16,7 @@
 #include "stage/camera_path_json.h"
 #include "stage/evaluated_stage.h"
 #include "tools/report.h"
+#include "tools/say.h"
 #include "voctree/clip.h"
 #include "voctree/clip_index.h"
 
@@ -295,18 +295,18 @@ std::string path_text(const stage::CameraPath& path) {
 
 void print_performers(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
     if (evaluated.performers.empty()) return;
-    fmt::print("\nnode  performer         clip  frame   at                      time\n");
+    tell("\nnode  performer         clip  frame   at                      time\n");
     for (const stage::EvaluatedPerformer& at : evaluated.performers) {
         const stage::StagePerformer& performer = stage.performers[at.performer];
-        fmt::print("{:>4}  {:<16}  {:>4}  {:<6.4g}  {:<22}  {}\n", performer.node, performer.name, at.clip, at.frame,
-                   position_text(glm::dvec3(at.world_from_performer[3])),
-                   settings_text(performer, at, evaluated.pose.world_from_node[performer.node]));
+        tell("{:>4}  {:<16}  {:>4}  {:<6.4g}  {:<22}  {}\n", performer.node, performer.name, at.clip, at.frame,
+             position_text(glm::dvec3(at.world_from_performer[3])),
+             settings_text(performer, at, evaluated.pose.world_from_node[performer.node]));
     }
 }
 
 void print_clips(const stage::Stage& stage, const std::vector<ClipMemory>& memory) {
     uint64_t total = 0;
-    if (!stage.clips.empty()) fmt::print("\n");
+    if (!stage.clips.empty()) tell("\n");
     for (size_t i = 0; i < stage.clips.size(); ++i) {
         const stage::StageClip& clip = stage.clips[i];
         std::string bytes;
@@ -315,43 +315,40 @@ void print_clips(const stage::Stage& stage, const std::vector<ClipMemory>& memor
                                 size_text(memory[i].slice_bytes));
             total += memory[i].field_bytes + memory[i].slice_bytes;
         }
-        fmt::print("clip {}  {} frames at {} fps, {}{}\n", i, clip.frames, clip.fps,
-                   without_passwords(clip.path.string()), bytes);
+        tell("clip {}  {} frames at {} fps, {}{}\n", i, clip.frames, clip.fps, clip.path.string(), bytes);
     }
-    if (!memory.empty()) fmt::print("on the device together {}\n", size_text(total));
+    if (!memory.empty()) tell("on the device together {}\n", size_text(total));
 }
 
 void print_lights(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
     if (evaluated.lights.empty()) return;
-    fmt::print("\nnode  light             kind         at                      light\n");
+    tell("\nnode  light             kind         at                      light\n");
     const std::vector<render::LightStatus> statuses = render::light_statuses(stage, evaluated);
     for (size_t i = 0; i < statuses.size(); ++i) {
         const stage::EvaluatedLight& light = evaluated.lights[i];
-        fmt::print("{:>4}  {:<16}  {:<11}  {:<22}  {}\n", light.node, stage::node_title(stage.scene, light.node),
-                   kind_name(light.kind), position_text(light.position), light_text(stage, light, statuses[i]));
+        tell("{:>4}  {:<16}  {:<11}  {:<22}  {}\n", light.node, stage::node_title(stage.scene, light.node),
+             kind_name(light.kind), position_text(light.position), light_text(stage, light, statuses[i]));
     }
 }
 
 void print(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, const std::vector<ClipMemory>& memory) {
-    fmt::print("{}: {:.6g} s at {:.6g} fps; {} performers, {} lights, {} cameras, {} meshes, {} animations\n",
-               stage.file.path.string(), stage.duration_s, stage.fps, evaluated.performers.size(),
-               evaluated.lights.size(), evaluated.cameras.size(), stage.scene.meshes.size(),
-               stage.scene.animations.size());
-    fmt::print("{}\n", settings_text(stage));
-    if (stage.settings.camera_path) fmt::print("{}\n", path_text(*stage.settings.camera_path));
-    if (const std::string hidden = names_of(stage, is_hidden); !hidden.empty()) fmt::print("hidden: {}\n", hidden);
-    if (const std::string locked = names_of(stage, edit::is_locked); !locked.empty())
-        fmt::print("locked: {}\n", locked);
-    for (const std::string& note : stage.scene.notes) fmt::print("note: it {}\n", note);
+    tell("{}: {:.6g} s at {:.6g} fps; {} performers, {} lights, {} cameras, {} meshes, {} animations\n",
+         stage.file.path.string(), stage.duration_s, stage.fps, evaluated.performers.size(), evaluated.lights.size(),
+         evaluated.cameras.size(), stage.scene.meshes.size(), stage.scene.animations.size());
+    tell("{}\n", settings_text(stage));
+    if (stage.settings.camera_path) tell("{}\n", path_text(*stage.settings.camera_path));
+    if (const std::string hidden = names_of(stage, is_hidden); !hidden.empty()) tell("hidden: {}\n", hidden);
+    if (const std::string locked = names_of(stage, edit::is_locked); !locked.empty()) tell("locked: {}\n", locked);
+    for (const std::string& note : stage.scene.notes) tell("note: it {}\n", note);
     print_performers(stage, evaluated);
     print_clips(stage, memory);
     print_lights(stage, evaluated);
-    if (!evaluated.cameras.empty()) fmt::print("\nnode  camera            angle        at\n");
+    if (!evaluated.cameras.empty()) tell("\nnode  camera            angle        at\n");
     for (const stage::EvaluatedCamera& camera : evaluated.cameras)
-        fmt::print("{:>4}  {:<16}  {:<11}  {}\n", camera.node, camera.name,
-                   camera.orthographic ? std::string("orthogr.")
-                                       : fmt::format("{:.1f}°", glm::degrees(camera.vertical_angle_rad)),
-                   position_text(glm::dvec3(camera.world_from_camera[3])));
+        tell("{:>4}  {:<16}  {:<11}  {}\n", camera.node, camera.name,
+             camera.orthographic ? std::string("orthogr.")
+                                 : fmt::format("{:.1f}°", glm::degrees(camera.vertical_angle_rad)),
+             position_text(glm::dvec3(camera.world_from_camera[3])));
 }
 
 }  // namespace
@@ -362,7 +359,7 @@ void print_stage_info(const StageInfoOptions& options, const CommonOptions& comm
     const std::vector<ClipMemory> memory =
         options.memory ? measure_memory(stage, options, common) : std::vector<ClipMemory>();
     if (options.json)
-        fmt::print("{}", without_passwords(json_text(json_of(stage, evaluated, memory))));
+        tell("{}", json_text(json_of(stage, evaluated, memory)));
     else
         print(stage, evaluated, memory);
 }

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/text.h"
 #include "editor/open_file.h"
 #include "media/image.h"
 #include "media/sound.h"
@@ -76,7 +75,7 @@ void edit_stage(const StageTarget& target, const std::function<std::string(stage
         prepare_result("--output", output);
     if (in_place) stage::expect_unchanged(file);
     stage::save_stage_file(file, output);
-    fmt::print("{}: {}\n", output, without_passwords(change));
+    tell("{}: {}\n", output, change);
 }
 
 uint32_t find_performer(const stage::Stage& stage, const std::string& option, const std::string& node) {

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json.h"
-#include "base/text.h"
 #include "stream/nvs_reader.h"
 #include "tools/report.h"
+#include "tools/say.h"
 
 namespace neuvv::tools {
 
@@ -47,30 +47,30 @@ void print_stream_info(const std::filesystem::path& path, bool json, bool check)
     if (json) {
         nlohmann::ordered_json parts;
         for (size_t part = 0; part < stream::kParts; part++) parts[kPartNames[part]] = bytes[part];
-        fmt::print("{}", json_text({{"file", without_passwords(path.string())},
-                                    {"format", "nvs"},
-                                    {"bytes", all},
-                                    {"frames", frames},
-                                    {"fps", index.fps},
-                                    {"seconds", seconds},
-                                    {"mbps", mbps},
-                                    {"capture", capture_json(path)},
-                                    {"groups", index.groups.size()},
-                                    {"most_leaves", most_leaves},
-                                    {"largest_frame", largest},
-                                    {"parts", parts},
-                                    {"checked", check}}));
+        tell("{}", json_text({{"file", path.string()},
+                              {"format", "nvs"},
+                              {"bytes", all},
+                              {"frames", frames},
+                              {"fps", index.fps},
+                              {"seconds", seconds},
+                              {"mbps", mbps},
+                              {"capture", capture_json(path)},
+                              {"groups", index.groups.size()},
+                              {"most_leaves", most_leaves},
+                              {"largest_frame", largest},
+                              {"parts", parts},
+                              {"checked", check}}));
         return;
     }
-    fmt::print("{}: stream, {}\nclip    {} frames at {} fps, {:.2f} s, in {} groups\n",
-               without_passwords(path.string()), size_text(all), frames, index.fps, seconds, index.groups.size());
-    fmt::print("{}", capture_line(path));
-    fmt::print("leaves  {} at most, in cells of {} a side\n", most_leaves, 1u << index.groups[0].format.depth);
-    fmt::print("rate    {:.1f} Mbit/s, {:.1f} KB a frame, {:.1f} KB at most\n", mbps,
-               1e-3 * static_cast<double>(all) / frames, 1e-3 * static_cast<double>(largest));
+    tell("{}: stream, {}\nclip    {} frames at {} fps, {:.2f} s, in {} groups\n", path.string(), size_text(all), frames,
+         index.fps, seconds, index.groups.size());
+    tell("{}", capture_line(path));
+    tell("leaves  {} at most, in cells of {} a side\n", most_leaves, 1u << index.groups[0].format.depth);
+    tell("rate    {:.1f} Mbit/s, {:.1f} KB a frame, {:.1f} KB at most\n", mbps,
+         1e-3 * static_cast<double>(all) / frames, 1e-3 * static_cast<double>(largest));
     for (size_t part = 0; part < stream::kParts; part++)
-        fmt::print("{:<10} {:>8.1f} KB a frame\n", kPartNames[part], 1e-3 * static_cast<double>(bytes[part]) / frames);
-    if (check) fmt::print("checked: whole and sound\n");
+        tell("{:<10} {:>8.1f} KB a frame\n", kPartNames[part], 1e-3 * static_cast<double>(bytes[part]) / frames);
+    if (check) tell("checked: whole and sound\n");
 }
 
 }  // namespace neuvv::tools

@@ -170,7 +170,7 @@ void SegmentedRun::train_free_ones() {
     for (const size_t i : unfinished()) {
         if (stop_requested()) {
             if (ranks_.is_first() && !said_interrupted_)
-                fmt::print("interrupted; the same command with --resume goes on from here\n");
+                tell("interrupted; the same command with --resume goes on from here\n");
             return;
         }
         if (is_finished(i)) continue;
@@ -182,7 +182,7 @@ void SegmentedRun::train_free_ones() {
 void SegmentedRun::say_who_trains(const std::vector<size_t>& segments) const {
     for (const size_t i : segments)
         if (const auto claim = training::claim_of(segments_[i].file))
-            fmt::print("{} is left to {}, which trains it\n", name_of(i), claim->owner);
+            tell("{} is left to {}, which trains it\n", name_of(i), claim->owner);
 }
 
 void SegmentedRun::run() {
@@ -216,12 +216,12 @@ void SegmentedRun::conclude() const {
     }
     if (std::find(finished_.begin(), finished_.end(), false) != finished_.end()) {
         if (ranks_.is_first() && !options_.replaces.empty())
-            fmt::print("{} stays as it is until the new one is whole\n", options_.replaces.string());
+            tell("{} stays as it is until the new one is whole\n", options_.replaces.string());
         return;
     }
     if (!options_.replaces.empty()) finish_replacement(options_);
     if (ranks_.is_first())
-        fmt::print("wrote {}: {} frames in {} segments\n", options_.clip().string(), frames_, segments_.size());
+        tell("wrote {}: {} frames in {} segments\n", options_.clip().string(), frames_, segments_.size());
 }
 
 }  // namespace
@@ -253,7 +253,7 @@ bool correct_clip(const gpu::Device& device, TrainOptions& options, const traini
         }
         if (options.correction) return true;
         if (stop_requested()) {
-            fmt::print("interrupted while errors of the rig were searched for: nothing was written\n");
+            tell("interrupted while errors of the rig were searched for: nothing was written\n");
             return false;
         }
     }

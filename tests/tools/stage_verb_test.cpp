@@ -50,6 +50,23 @@ TEST_F(StageVerb, EveryOneHelpsWithExamples) {
     }
 }
 
+TEST_F(StageVerb, NamesDoNotCommandTheTerminal) {
+    expect_done({"new", show});
+    std::string text = read_text(show);
+    const std::string name = "\"name\": \"key\"";
+    ASSERT_NE(text.find(name), std::string::npos);
+    text.replace(text.find(name), name.size(), R"("name": "\u001b]0;ah\u0007\u009b31mkey é")");
+    write_text(show, text);
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"info", show}, {"light", show, "2", "--intensity", "5"}}) {
+        std::vector<std::string> all = {"stage"};
+        all.insert(all.end(), words.begin(), words.end());
+        const ProgramResult result = run_neuvv(all);
+        EXPECT_EQ(result.code, 0) << result.err;
+        EXPECT_NE(result.out.find(" ]0;ah   31mkey é"), std::string::npos) << result.out;
+    }
+}
+
 TEST_F(StageVerb, AShowFromNothing) {
     expect_done({"new", show}, "show.gltf");
     expect_refused({"stage", "new", show}, 2, {"show.gltf", "already"});

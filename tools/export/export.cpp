@@ -13,6 +13,7 @@
 #include "editor/open_file.h"
 #include "tools/export/export_run.h"
 #include "tools/export/stage_kinds.h"
+#include "tools/say.h"
 #include "tools/stage_verbs.h"
 
 namespace neuvv::tools {
@@ -97,9 +98,9 @@ void write_stage(const ExportOptions& options, const StageKind& kind, const Comm
     nlohmann::ordered_json json = {{"output", options.output}, {"files", 1}, {"bytes", bytes}};
     json.update(more);
     if (options.json)
-        fmt::print("{}", json_text(json));
+        tell("{}", json_text(json));
     else
-        fmt::print("{}: {}, {}\n", options.output, size_text(bytes), text);
+        tell("{}: {}, {}\n", options.output, size_text(bytes), text);
 }
 
 // What --json prints of one clip, or of one performer; nothing where it was printed for people.
@@ -111,7 +112,7 @@ std::optional<nlohmann::ordered_json> export_performer(const ExportOptions& opti
     ExportRun run(options, clip, *frames);
     run.run();
     if (!options.json) {
-        fmt::print("{}: {} in {} files, {}\n", options.output, size_text(run.bytes()), run.files(), frames->summary());
+        tell("{}: {} in {} files, {}\n", options.output, size_text(run.bytes()), run.files(), frames->summary());
         return std::nullopt;
     }
     nlohmann::ordered_json json = {{"output", options.output}, {"files", run.files()}, {"bytes", run.bytes()}};
@@ -148,7 +149,7 @@ void run(const Command& verb, ExportOptions& options, const CommonOptions& commo
         if (options.stage_space) expect_stage_name("--stage-space", options.scene);
         const std::optional<nlohmann::ordered_json> json =
             export_performer(options, read_published_scene(options.scene, options.performer, options.up), kind, common);
-        if (json) fmt::print("{}", json_text(*json));
+        if (json) tell("{}", json_text(*json));
         return;
     }
     expect_stage_name("--output", options.scene);
@@ -164,7 +165,7 @@ void run(const Command& verb, ExportOptions& options, const CommonOptions& commo
             export_performer(one, published_performer(stage, i), kind, common);
         if (json) all.push_back(*json);
     }
-    if (options.json) fmt::print("{}", json_text(all));
+    if (options.json) tell("{}", json_text(all));
 }
 
 constexpr const char* kKindsHelp =
