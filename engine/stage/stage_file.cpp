@@ -139,7 +139,12 @@ std::vector<uint8_t> glb_of(const std::string& json, const StageFile::Saved* sav
 
 }  // namespace
 
+// The servers that a stage names are asked as its user would ask them, also those in the own network. So a stage of
+// somebody else must have been saved here by the user, not fetched.
 StageFile read_stage_file(const std::filesystem::path& path) {
+    if (stream::is_address(path))
+        throw InputError(without_passwords(path.string()), "", "is on a server, and stages are read from files alone",
+                         "download it, if you trust who made it; only streams (.nvs) are played from servers");
     StageFile file;
     file.path = path;
     file.saved = saved_of(read_file(path, kMaxStageBytes), path.string());

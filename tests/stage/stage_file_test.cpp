@@ -155,6 +155,8 @@ TEST_F(StageFiles, WhatIsNoStageIsRefused) {
     refused(glb("{}", "").substr(0, 21), {"cut off"});
     refused(R"({"a":1,"a":1})", {"twice"});
     expect_input_error([&] { stage::read_stage_file(at("none.gltf")); }, {"none.gltf"});
+    for (const char* address : {"https://example.com/show.gltf", "http://127.0.0.1/show.glb"})
+        expect_input_error([&] { stage::read_stage_file(address); }, {address, "stages are read from files alone"});
 }
 
 }  // namespace
