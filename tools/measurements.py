@@ -14,10 +14,10 @@ import textwrap
 COLUMNS = 140  # of the page's lines
 HEAD = """# Measurements
 
-`tools/gpu-report --page` writes this page from `engine/measurements/DEVICE.json`; `tools/gpu-report` measures a device, and with
-`--keep DEVICE` stores the figures of its report there. *mage*, *mage20* and *m47* are made of a capture that is not part of this repository
-(36 cameras, 24 times); *performer* is the person of `tools/performer`. Below each table is what was run, with commit and date. Times are
-medians, by the device's clock where nothing else is said.
+`tools/gpu-report` measures a device; with `--keep DEVICE` it stores the figures in `engine/measurements/DEVICE.json`, of which `--page`
+writes this page. *mage*, *mage20* and *m47* are made of a capture that is not part of this repository (36 cameras, 24 times); *performer*
+is the person of `tools/performer`. Below each table are command, commit and date. Times are medians, by the device's clock where nothing
+else is said.
 """
 
 
@@ -190,8 +190,7 @@ def page(folder):
     """The text of MEASUREMENTS.md."""
     files = sorted(folder.glob('*.json'), key=lambda file: (file.stem != 'lavapipe', file.stem))
     devices = {file.stem: read_device(file) for file in files}
-    lines = ['||device|machine|', '|---|---|---|']
-    lines += [f'|{name}|{device["device"]}|{device["machine"]}|' for name, device in devices.items()]
+    lines = [f'- {name}: {device["device"]}; {device["machine"]}' for name, device in devices.items()]
     titles = dict.fromkeys(one['title'] for device in devices.values() for one in device['measurements'])
     sections = []
     for title in titles:
