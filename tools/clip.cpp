@@ -14,7 +14,7 @@
 #include "tools/results.h"
 #include "tools/say.h"
 #include "tools/unfinished_clip.h"
-#include "training/claim.h"
+#include "training/run/claim.h"
 #include "voctree/clip.h"
 #include "voctree/clip_sound.h"
 #include "voctree/coarse.h"

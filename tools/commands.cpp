@@ -1,7 +1,7 @@
 #include "tools/commands.h"
 
 #include "base/error.h"
-#include "training/layouts/formats.h"
+#include "training/data/layouts/formats.h"
 #include "voctree/clip.h"
 
 namespace neuvv::tools {

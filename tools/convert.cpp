@@ -18,7 +18,7 @@
 #include "tools/results.h"
 #include "tools/say.h"
 #include "tools/unfinished_clip.h"
-#include "training/rig_file.h"
+#include "training/rig/rig_file.h"
 #include "voctree/clip.h"
 #include "voctree/coarse.h"
 #include "voctree/frames.h"

@@ -18,11 +18,11 @@
 #include "tools/results.h"
 #include "tools/rig_drawing.h"
 #include "tools/say.h"
-#include "training/evaluation/contact_sheet.h"
-#include "training/hull_box.h"
-#include "training/images.h"
-#include "training/layouts/formats.h"
-#include "training/make_mattes.h"
+#include "training/data/contact_sheet.h"
+#include "training/data/images.h"
+#include "training/data/layouts/formats.h"
+#include "training/data/make_mattes.h"
+#include "training/tree/hull_box.h"
 
 namespace neuvv::tools {
 
@@ -316,7 +316,7 @@ void add_dataset(Command app, CommonOptions& common) {
          "reads all training images.\n"
          "Layouts: transforms.json, COLMAP, EasyMocap, Neural 3D Video, Metashape (.xml), RealityCapture (.csv),\n"
          "Qualisys (.qca.txt), Pose2Sim (Calib.toml), OpenCV (<camera>.yml), Polycam, Record3D.\n"
-         "training/layouts/README.md describes them.\n\n"
+         "training/data/layouts/README.md describes them.\n\n"
          "Examples, after `neuvv capture tools/performer/performer.glb -o work/performer`:\n"
          "  neuvv dataset work/performer\n"
          "  neuvv dataset work/performer -o work/look\n"

@@ -8,7 +8,7 @@
 
 #include "base/text.h"
 #include "tools/html.h"
-#include "training/evaluation/contact_sheet.h"
+#include "training/data/contact_sheet.h"
 #include "training/evaluation/flip.h"
 
 namespace neuvv::tools {

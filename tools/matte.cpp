@@ -13,8 +13,8 @@
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/say.h"
-#include "training/layouts/formats.h"
-#include "training/make_mattes.h"
+#include "training/data/layouts/formats.h"
+#include "training/data/make_mattes.h"
 
 namespace neuvv::tools {
 
@@ -82,7 +82,7 @@ void add_matte(Command app, CommonOptions&) {
     auto options = std::make_shared<MatteOptions>();
     training::MatteJob& what = options->what;
     Command verb = app.add_verb("matte", "Find the performer in images that have no alpha");
-    verb.add_option("dataset", what.dataset, "The data set's folder (see training/layouts/README.md)").required();
+    verb.add_option("dataset", what.dataset, "The data set's folder (see training/data/layouts/README.md)").required();
     add_format_option(verb, what.format);
     verb.add_option("-o,--output", what.output, "Folder of the mattes (default: DATASET/mattes, where training looks)");
     Option from =

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tools/ranks.h"
-#include "training/team.h"
+#include "training/step/team.h"
 
 namespace neuvv::tools {
 

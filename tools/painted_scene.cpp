@@ -13,7 +13,7 @@
 #include "render/trace.h"
 #include "tools/stage_verbs.h"
 #include "tools/view_path.h"
-#include "training/camera_path_file.h"
+#include "training/data/camera_path_file.h"
 #include "voctree/clip.h"
 #include "voctree/nvpaint.h"
 #include "voctree/occupied_box.h"

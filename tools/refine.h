@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "training/layouts/rig.h"
-#include "training/rig_search.h"
+#include "training/data/layouts/rig.h"
+#include "training/run/rig_search.h"
 
 namespace neuvv::tools {
 

@@ -20,7 +20,7 @@
 #include "tools/render.h"
 #include "tools/render_layers.h"
 #include "tools/view_path.h"
-#include "training/camera_path_file.h"
+#include "training/data/camera_path_file.h"
 #include "voctree/chunk_file.h"
 #include "voctree/clip.h"
 #include "voctree/clip_index.h"

@@ -17,7 +17,7 @@
 #include "tools/report.h"
 #include "tools/say.h"
 #include "tools/view_path.h"
-#include "training/camera_path_file.h"
+#include "training/data/camera_path_file.h"
 
 namespace neuvv::tools {
 

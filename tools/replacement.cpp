@@ -8,9 +8,9 @@
 #include "base/error.h"
 #include "base/file_lock.h"
 #include "base/platform.h"
-#include "training/checkpoint.h"
-#include "training/claim.h"
-#include "training/rig_file.h"
+#include "training/rig/rig_file.h"
+#include "training/run/checkpoint.h"
+#include "training/run/claim.h"
 #include "voctree/clip_index.h"
 #include "voctree/clip_sound.h"
 

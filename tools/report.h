@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gpu/commands.h"
-#include "training/doubtful_mattes.h"
+#include "training/tree/doubtful_mattes.h"
 
 namespace neuvv::tools {
 

@@ -7,9 +7,9 @@
 #include "base/error.h"
 #include "tools/options.h"
 #include "tools/train_run.h"
-#include "training/checkpoint.h"
-#include "training/claim.h"
-#include "training/segments.h"
+#include "training/data/segments.h"
+#include "training/run/checkpoint.h"
+#include "training/run/claim.h"
 #include "voctree/clip_index.h"
 
 namespace neuvv::tools {

@@ -16,9 +16,9 @@
 #include "tools/results.h"
 #include "tools/say.h"
 #include "tools/skeleton_verbs.h"
-#include "training/image_reader.h"
-#include "training/layouts/formats.h"
-#include "training/lens.h"
+#include "training/data/image_reader.h"
+#include "training/data/layouts/formats.h"
+#include "training/data/lens.h"
 
 namespace neuvv::tools {
 

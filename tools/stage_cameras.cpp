@@ -8,7 +8,7 @@
 #include "stage/evaluated_stage.h"
 #include "tools/stage_verbs.h"
 #include "tools/view_path.h"
-#include "training/camera_path_file.h"
+#include "training/data/camera_path_file.h"
 
 namespace neuvv::tools {
 

@@ -20,9 +20,9 @@
 #include "tools/results.h"
 #include "tools/say.h"
 #include "tools/train_run.h"
-#include "training/checkpoint.h"
-#include "training/claim.h"
-#include "training/schedule.h"
+#include "training/run/checkpoint.h"
+#include "training/run/claim.h"
+#include "training/run/schedule.h"
 #include "voctree/clip.h"
 #include "voctree/clip_index.h"
 #include "voctree/clip_sound.h"
@@ -335,7 +335,7 @@ void add_run_options(Command verb, TrainOptions& options, const Option& plan) {
                     "Keep this PNG showing a held-out image: truth, render, error; rewritten every few seconds");
     verb.add_option("--metrics", options.live.metrics,
                     "Append a line of JSON about once a second to this .jsonl file: step, loss, PSNR, leaves, ... "
-                    "(see training/metrics_log.h); --resume continues it");
+                    "(see training/run/metrics_log.h); --resume continues it");
 }
 
 }  // namespace
@@ -343,7 +343,8 @@ void add_run_options(Command verb, TrainOptions& options, const Option& plan) {
 void add_train(Command app, CommonOptions& common) {
     auto options = std::make_shared<TrainOptions>();
     Command verb = app.add_verb("train", "Train a volumetric video from a calibrated multi-view video");
-    verb.add_option("dataset", options->dataset, "The data set's folder (see training/layouts/README.md)").required();
+    verb.add_option("dataset", options->dataset, "The data set's folder (see training/data/layouts/README.md)")
+        .required();
     add_format_option(verb, options->format);
     add_holdout_option(verb, options->holdout);
     verb.add_option(
@@ -376,7 +377,7 @@ void add_train(Command app, CommonOptions& common) {
         .excludes(max_memory);
     verb.add_option("--leave-out", options->leave_out,
                     fmt::format("Parts of the training to leave out, for comparisons, with commas between them: {} "
-                                "(training/schedule.h says what they are)",
+                                "(training/run/schedule.h says what they are)",
                                 fmt::join(training::kOptionalParts, ", ")));
     for (const training::NamedLossWeight& named : training::kLossWeights)
         verb.add_option(weight_option(named), options->settings.weights.*named.weight, named.meaning)

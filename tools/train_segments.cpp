@@ -17,9 +17,9 @@
 #include "tools/report.h"
 #include "tools/say.h"
 #include "tools/train_run.h"
-#include "training/checkpoint.h"
-#include "training/claim.h"
-#include "training/segments.h"
+#include "training/data/segments.h"
+#include "training/run/checkpoint.h"
+#include "training/run/claim.h"
 
 namespace neuvv::tools {
 

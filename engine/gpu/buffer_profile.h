@@ -24,7 +24,7 @@ struct ProfileTimes {
 };
 
 // The storage buffers that a shader of a player binds at most in the storage profile; a test counts them. Training
-// needs more (training/array_buffers.h).
+// needs more (training/step/array_buffers.h).
 constexpr uint32_t kMostStorageBuffers = 8;
 
 // The limits of a device that decide, and the profile that its passes use.

@@ -6,7 +6,7 @@
 
 NEUVV_SHARED
 
-// The weights of the losses relative to L_rgb; training/loss.h names them.
+// The weights of the losses relative to L_rgb; training/step/loss.h names them.
 struct LossWeights {
     float grad;        // of L_grad (errata 16)
     float point;       // of the point loss (ray_adjoint.glsl)

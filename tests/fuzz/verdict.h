@@ -6,7 +6,7 @@
 
 #include "motion/skeleton.h"
 #include "stage/stage.h"
-#include "training/dataset.h"
+#include "training/data/dataset.h"
 #include "voctree/paint.h"
 
 namespace neuvv::fuzz {

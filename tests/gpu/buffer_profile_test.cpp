@@ -13,7 +13,7 @@
 #include "spirv/neuvv_xr_shaders.h"
 #include "support/environment_value.h"
 #include "support/input_error.h"
-#include "training/array_buffers.h"
+#include "training/step/array_buffers.h"
 
 namespace neuvv::test {
 namespace {

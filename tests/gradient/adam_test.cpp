@@ -6,7 +6,7 @@
 #include "gradient/scene.h"
 #include "reference/adam.h"
 #include "support/gpu_test.h"
-#include "training/bases.h"
+#include "training/tree/bases.h"
 
 namespace neuvv::test {
 namespace {

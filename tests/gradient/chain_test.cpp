@@ -6,7 +6,7 @@
 
 #include "gradient/agreement.h"
 #include "support/gpu_test.h"
-#include "training/direct_step.h"
+#include "training/step/direct_step.h"
 
 namespace neuvv::test {
 namespace {

@@ -1,5 +1,5 @@
 // loss.comp against the reference: the sums, and ∂L/∂(C, α) by central differences.
-#include "training/loss.h"
+#include "training/step/loss.h"
 #include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include "reference/loss.h"
 #include "support/gpu_test.h"
 #include "support/random_tree.h"
-#include "training/camera_colour.h"
+#include "training/step/camera_colour.h"
 
 namespace neuvv::test {
 namespace {

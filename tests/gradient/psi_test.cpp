@@ -1,5 +1,5 @@
 // Ψ on the device against the reference in double precision: forwards, backwards, and moved by Adam.
-#include "training/psi.h"
+#include "training/psi/psi.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "reference/trace.h"
 #include "support/random_tree.h"
-#include "training/step.h"
+#include "training/step/step.h"
 
 namespace neuvv::test {
 

@@ -1,5 +1,5 @@
 // trace_adjoint.comp alone, with both kinds of atomic addition, against the reference.
-#include "training/trace_adjoint.h"
+#include "training/step/trace_adjoint.h"
 #include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "reference/trace.h"
-#include "training/dataset.h"
+#include "training/data/dataset.h"
 
 namespace neuvv::reference {
 

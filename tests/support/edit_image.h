@@ -1,7 +1,7 @@
 // Changes to the images of a data set in memory.
 #pragma once
 
-#include "training/dataset.h"
+#include "training/data/dataset.h"
 
 namespace neuvv::test {
 

@@ -5,7 +5,7 @@
 
 #include "support/child_process.h"
 #include "support/temporary_folder.h"
-#include "training/dataset.h"
+#include "training/data/dataset.h"
 
 namespace neuvv::test {
 

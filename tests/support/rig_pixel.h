@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "media/image.h"
-#include "training/layouts/rig.h"
+#include "training/data/layouts/rig.h"
 
 namespace neuvv::test {
 

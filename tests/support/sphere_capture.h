@@ -9,7 +9,7 @@
 
 #include "support/look_at.h"
 #include "support/temporary_folder.h"
-#include "training/dataset.h"
+#include "training/data/dataset.h"
 
 namespace neuvv::test {
 

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "training/team.h"
+#include "training/step/team.h"
 
 namespace neuvv::test {
 

@@ -11,7 +11,7 @@
 #include "support/stage_on_disk.h"
 #include "support/waver_tree.h"
 #include "tests/tools/cli_gpu.h"
-#include "training/camera_path_file.h"
+#include "training/data/camera_path_file.h"
 #include "voctree/nvpaint.h"
 #include "voctree/occupied_box.h"
 

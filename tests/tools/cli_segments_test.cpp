@@ -15,9 +15,9 @@
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
 #include "tests/tools/image_distance.h"
-#include "training/checkpoint.h"
-#include "training/claim.h"
-#include "training/rig_file.h"
+#include "training/rig/rig_file.h"
+#include "training/run/checkpoint.h"
+#include "training/run/claim.h"
 #include "voctree/clip.h"
 
 namespace neuvv {

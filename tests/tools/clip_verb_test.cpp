@@ -7,7 +7,7 @@
 #include "support/segmented_copy.h"
 #include "support/temporary_folder.h"
 #include "tests/tools/run_neuvv.h"
-#include "training/claim.h"
+#include "training/run/claim.h"
 #include "voctree/clip.h"
 #include "voctree/world_frame.h"
 

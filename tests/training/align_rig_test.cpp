@@ -1,5 +1,5 @@
 // Cameras of a data set that all look past a scene by the same motion come back to it.
-#include "training/align_rig.h"
+#include "training/rig/align_rig.h"
 
 #include <gtest/gtest.h>
 

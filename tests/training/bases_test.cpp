@@ -1,5 +1,5 @@
 // The temporal bases with which training begins, and weights that give chosen values over time.
-#include "training/bases.h"
+#include "training/tree/bases.h"
 
 #include <gtest/gtest.h>
 

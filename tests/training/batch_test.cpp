@@ -1,5 +1,5 @@
 // Which tiles a batch holds, and what they should see.
-#include "training/batch.h"
+#include "training/step/batch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Whole runs that learn the colours of cameras, on captures whose images have gains that differ from camera to camera.
-#include "training/camera_colour.h"
+#include "training/step/camera_colour.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "support/performer_capture.h"
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
-#include "training/train.h"
+#include "training/run/train.h"
 
 namespace neuvv::test {
 namespace {

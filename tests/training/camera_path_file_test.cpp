@@ -1,5 +1,5 @@
 // Camera paths as instant-ngp, nerfstudio and NeuVV write them.
-#include "training/camera_path_file.h"
+#include "training/data/camera_path_file.h"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include "interchange/usd_text.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
-#include "training/camera_path_file.h"
+#include "training/data/camera_path_file.h"
 
 namespace neuvv {
 namespace {

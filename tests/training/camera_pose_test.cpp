@@ -1,5 +1,5 @@
 // Changes of cameras' poses, and the solver that finds them, on points whose images are known.
-#include "training/camera_pose.h"
+#include "training/rig/camera_pose.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
-#include "training/pose_solver.h"
+#include "training/rig/pose_solver.h"
 
 namespace neuvv::test {
 namespace {

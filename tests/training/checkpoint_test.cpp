@@ -1,8 +1,8 @@
 // The state of a run is written and read back; damaged states are refused.
-#include "training/checkpoint.h"
+#include "training/run/checkpoint.h"
 #include "gpu/host_copies.h"
-#include "training/checkpoint_writer.h"
-#include "training/schedule.h"
+#include "training/run/checkpoint_writer.h"
+#include "training/run/schedule.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 #include "support/input_error.h"
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
-#include "training/train.h"
+#include "training/run/train.h"
 #include "voctree/frames.h"
 #include "voctree/nvv.h"
 

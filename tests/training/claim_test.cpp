@@ -1,5 +1,5 @@
 // Claims on runs, by which processes share the training of a clip.
-#include "training/claim.h"
+#include "training/run/claim.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -1,12 +1,12 @@
 // What is removed from a tree before it is written must not be visible.
-#include "training/compact.h"
+#include "training/tree/compact.h"
 
 #include <gtest/gtest.h>
 
 #include "reference/sample.h"
 #include "reference/slice.h"
 #include "support/random_tree.h"
-#include "training/bases.h"
+#include "training/tree/bases.h"
 #include "voctree/frames.h"
 
 namespace neuvv::test {

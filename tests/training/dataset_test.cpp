@@ -1,4 +1,4 @@
-#include "training/dataset.h"
+#include "training/data/dataset.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
+#include "training/data/layouts/formats.h"
+#include "training/data/layouts/loaders.h"
 #include "training/evaluation/evaluate.h"
-#include "training/layouts/formats.h"
-#include "training/layouts/nerf.h"
 
 namespace neuvv {
 namespace {

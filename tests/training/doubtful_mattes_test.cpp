@@ -1,5 +1,5 @@
 // Mattes that contradict all others are found and do not carve; right mattes are left as they are.
-#include "training/doubtful_mattes.h"
+#include "training/tree/doubtful_mattes.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "support/edit_image.h"
 #include "support/sphere_capture.h"
-#include "training/hull.h"
+#include "training/tree/hull.h"
 
 namespace neuvv::test {
 namespace {

@@ -1,5 +1,5 @@
 // The first guess of colours, and the frames of times.
-#include "training/first_colours.h"
+#include "training/tree/first_colours.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The tree of a run: its beginning, pruning and division.
-#include "training/grow.h"
+#include "training/tree/grow.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // The box around the performer leaves out what only two cameras believe in.
-#include "training/hull_box.h"
+#include "training/tree/hull_box.h"
 
 #include <gtest/gtest.h>
 
 #include "support/look_at.h"
-#include "training/grow.h"
+#include "training/tree/grow.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::test {

@@ -1,6 +1,6 @@
 // Carving keeps matter and removes what no matte allows.
-#include "training/hull.h"
-#include "training/hull_box.h"
+#include "training/tree/hull.h"
+#include "training/tree/hull_box.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // How read_images treats masks, mattes, plates, videos and lenses, on rigs that the tests fill in.
-#include "training/images.h"
+#include "training/data/images.h"
 
 #include <gtest/gtest.h>
 

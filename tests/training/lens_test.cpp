@@ -1,11 +1,11 @@
 // Lenses against values by the formulas of calibration programs, and images whose distortion is undone.
-#include "training/lens.h"
+#include "training/data/lens.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "training/undistort.h"
+#include "training/data/undistort.h"
 
 namespace neuvv {
 namespace {

@@ -1,5 +1,5 @@
 // Sibling leaves that look alike become one leaf; others do not.
-#include "training/merge.h"
+#include "training/tree/merge.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "support/random_tree.h"
-#include "training/bases.h"
+#include "training/tree/bases.h"
 
 namespace neuvv::test {
 namespace {

@@ -1,5 +1,5 @@
 // How a run can be watched: by the preview image and the log of its numbers.
-#include "training/preview.h"
+#include "training/run/preview.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
 #include "training/evaluation/evaluate.h"
-#include "training/metrics_log.h"
+#include "training/run/metrics_log.h"
 
 namespace neuvv::test {
 namespace {

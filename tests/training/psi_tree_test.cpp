@@ -1,6 +1,6 @@
 // From Ψ to a tree: which leaves stay and which weights they have, for a network whose outputs are known; and training
 // Ψ on captures of a sphere.
-#include "training/psi_tree.h"
+#include "training/psi/psi_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "support/gpu_test.h"
 #include "support/sphere_capture.h"
 #include "training/evaluation/evaluate.h"
-#include "training/train.h"
+#include "training/run/train.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::test {

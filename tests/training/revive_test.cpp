@@ -1,11 +1,11 @@
 // Leaves that are holes in a surface get density again; other leaves do not.
-#include "training/revive.h"
+#include "training/tree/revive.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "training/bases.h"
+#include "training/tree/bases.h"
 
 namespace neuvv::test {
 namespace {

@@ -1,5 +1,5 @@
 // Corrections of a rig, and which of them are worth making.
-#include "training/rig_changes.h"
+#include "training/rig/rig_changes.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 
 #include "support/input_error.h"
 #include "support/sphere_capture.h"
-#include "training/rig_search.h"
-#include "training/time_probe.h"
+#include "training/rig/time_probe.h"
+#include "training/run/rig_search.h"
 
 namespace neuvv::test {
 namespace {

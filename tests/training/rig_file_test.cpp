@@ -1,5 +1,5 @@
 // The corrections of a clip's rig as a file.
-#include "training/rig_file.h"
+#include "training/rig/rig_file.h"
 
 #include <gtest/gtest.h>
 

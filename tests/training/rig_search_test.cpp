@@ -1,5 +1,5 @@
 // The search for poses of cameras, on a small capture of the performer whose cameras are turned and shifted.
-#include "training/rig_search.h"
+#include "training/run/rig_search.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include "support/performer_capture.h"
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
-#include "training/hull_box.h"
-#include "training/pose_probe.h"
+#include "training/rig/pose_probe.h"
+#include "training/tree/hull_box.h"
 
 namespace neuvv::test {
 namespace {

@@ -1,5 +1,5 @@
 // How a run's settings change over its budget.
-#include "training/schedule.h"
+#include "training/run/schedule.h"
 
 #include <gtest/gtest.h>
 

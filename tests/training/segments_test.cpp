@@ -1,5 +1,5 @@
 // Cutting a clip into segments.
-#include "training/segments.h"
+#include "training/data/segments.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Several members that train one tree together, against one that has all of their tiles.
-#include "training/team.h"
+#include "training/step/team.h"
 #include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
@@ -11,11 +11,11 @@
 #include "support/gpu_test.h"
 #include "support/sphere_renders.h"
 #include "support/thread_team.h"
-#include "training/batch.h"
-#include "training/checkpoint.h"
-#include "training/gradient_records.h"
-#include "training/grow.h"
-#include "training/train.h"
+#include "training/run/checkpoint.h"
+#include "training/run/train.h"
+#include "training/step/batch.h"
+#include "training/step/gradient_records.h"
+#include "training/tree/grow.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::test {

@@ -1,5 +1,5 @@
 // Tiles of an image give back its pixels, and only foreground takes memory.
-#include "training/tiled_image.h"
+#include "training/data/tiled_image.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Whole runs on a capture of a moving sphere, and what runs leave behind that are killed.
-#include "training/train.h"
+#include "training/run/train.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "support/edit_image.h"
 #include "support/gpu_test.h"
 #include "support/sphere_renders.h"
-#include "training/checkpoint.h"
+#include "training/run/checkpoint.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::test {

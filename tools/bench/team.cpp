@@ -13,10 +13,10 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
-#include "training/batch.h"
-#include "training/layouts/formats.h"
-#include "training/schedule.h"
-#include "training/train.h"
+#include "training/data/layouts/formats.h"
+#include "training/run/schedule.h"
+#include "training/run/train.h"
+#include "training/step/batch.h"
 #include "voctree/clip.h"
 
 namespace neuvv::bench {

@@ -12,10 +12,10 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
-#include "training/direct_step.h"
-#include "training/layouts/formats.h"
-#include "training/schedule.h"
-#include "training/train.h"
+#include "training/data/layouts/formats.h"
+#include "training/run/schedule.h"
+#include "training/run/train.h"
+#include "training/step/direct_step.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::bench {

@@ -10,7 +10,7 @@
 #include "tools/options.h"
 #include "tools/results.h"
 #include "tools/view_path.h"
-#include "training/camera_path_file.h"
+#include "training/data/camera_path_file.h"
 
 namespace neuvv::tools {
 

@@ -23,8 +23,8 @@ struct CapturedClip {
     bool plates = false;                    // whether each camera has a clean plate
 };
 
-// Writes a transforms.json (training/layouts/README.md), which names images/IMAGE.png and plates/CAMERA.png. The file
-// is replaced atomically. Throws RuntimeFailure.
+// Writes a transforms.json (training/data/layouts/README.md), which names images/IMAGE.png and plates/CAMERA.png. The
+// file is replaced atomically. Throws RuntimeFailure.
 void write_transforms(const std::filesystem::path& file, const CapturedClip& clip);
 
 }  // namespace neuvv::training

@@ -8,16 +8,12 @@
 
 #include "render/frame.h"
 #include "render/shown_segments.h"
-#include "training/layouts/camera_names.h"
+#include "training/data/layouts/camera_names.h"
 #include "voctree/clip.h"
 
 namespace neuvv::training {
 
 namespace {
-
-uint8_t byte_from_unit(double value) {
-    return static_cast<uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255));
-}
 
 void add(Quality& sum, const Quality& quality) {
     sum.psnr += quality.psnr;
@@ -141,21 +137,6 @@ std::vector<size_t> spread_views(const Dataset& dataset, size_t count) {
         selected.insert(views[static_cast<size_t>(fraction * static_cast<double>(views.size()))]);
     }
     return {selected.begin(), selected.end()};
-}
-
-media::Image truth_over_white(const Dataset& dataset, const View& view) {
-    if (dataset.plates[view.camera].width == 0) return media::composite_over(view.image.whole(), media::kWhite);
-    media::Image clear(view.image.width(), view.image.height());
-    for (uint32_t y = 0; y < clear.height; ++y)
-        for (uint32_t x = 0; x < clear.width; ++x) {
-            const glm::vec4 light = foreground(dataset, view, x, y);
-            if (light.a <= 0) continue;
-            uint8_t* pixel = clear.at(x, y);
-            for (int c = 0; c < 3; ++c)
-                pixel[c] = byte_from_unit(media::srgb_from_linear(std::min(1.0, double{light[c]} / double{light.a})));
-            pixel[3] = byte_from_unit(double{light.a});
-        }
-    return media::composite_over(clear, media::kWhite);
 }
 
 media::Image render_over_white(render::FrameRenderer& renderer, const stage::Camera& camera, const View& view,

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gpu/device.h"
-#include "training/dataset.h"
+#include "training/data/dataset.h"
 #include "training/evaluation/metrics.h"
 #include "voctree/clip_index.h"
 #include "voctree/voctree.h"
@@ -64,8 +64,5 @@ std::vector<size_t> spread_views(const Dataset& dataset, size_t count);
 // Renders what a camera sees of some instances, marched together, over white, the view's ignored pixels white, too.
 media::Image render_over_white(render::FrameRenderer& renderer, const stage::Camera& camera, const View& view,
                                std::vector<render::Instance> instances, uint32_t samples);
-
-// The data set's image of a view over white. Where the camera has a clean plate, the captured background is removed.
-media::Image truth_over_white(const Dataset& dataset, const View& view);
 
 }  // namespace neuvv::training

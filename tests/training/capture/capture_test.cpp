@@ -13,8 +13,8 @@
 #include "tests/support/input_error.h"
 #include "tests/support/near.h"
 #include "tests/support/temporary_folder.h"
-#include "training/dataset.h"
-#include "training/make_mattes.h"
+#include "training/data/dataset.h"
+#include "training/data/make_mattes.h"
 
 namespace neuvv {
 namespace {

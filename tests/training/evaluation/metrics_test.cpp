@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "training/evaluation/contact_sheet.h"
+#include "training/data/contact_sheet.h"
 #include "training/evaluation/flip.h"
 
 namespace neuvv {

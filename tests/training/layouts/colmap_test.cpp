@@ -1,5 +1,5 @@
 // Captures calibrated by COLMAP, in both file formats.
-#include "training/layouts/colmap.h"
+#include "training/data/layouts/loaders.h"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 #include "support/colmap_files.h"
 #include "support/input_error.h"
 #include "support/rig_pixel.h"
-#include "training/layouts/camera_folders.h"
-#include "training/layouts/formats.h"
+#include "training/data/layouts/camera_folders.h"
+#include "training/data/layouts/formats.h"
 
 namespace neuvv {
 namespace {

@@ -1,5 +1,5 @@
 // The layout of EasyMocap, in which ZJU-MoCap can be given, too.
-#include "training/layouts/easymocap.h"
+#include "training/data/layouts/loaders.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "support/easymocap_files.h"
 #include "support/input_error.h"
 #include "support/rig_pixel.h"
-#include "training/layouts/formats.h"
+#include "training/data/layouts/formats.h"
 
 namespace neuvv {
 namespace {

@@ -1,5 +1,5 @@
 // Cameras that Metashape exported as XML.
-#include "training/layouts/metashape.h"
+#include "training/data/layouts/loaders.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include "support/input_error.h"
 #include "support/rig_pixel.h"
 #include "support/temporary_folder.h"
-#include "training/layouts/formats.h"
+#include "training/data/layouts/formats.h"
 
 namespace neuvv {
 namespace {

@@ -1,5 +1,5 @@
 // poses_bounds.npy with videos, as in Neural 3D Video; and the .npy format.
-#include "training/layouts/n3v.h"
+#include "training/data/layouts/loaders.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include "media/video.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
-#include "training/dataset.h"
-#include "training/layouts/formats.h"
+#include "training/data/dataset.h"
+#include "training/data/layouts/formats.h"
 
 namespace neuvv {
 namespace {

@@ -1,5 +1,5 @@
 // Data sets as D-NeRF, nerfstudio and instant-ngp write them.
-#include "training/layouts/nerf.h"
+#include "training/data/layouts/loaders.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 #include "media/video.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
-#include "training/dataset.h"
-#include "training/layouts/formats.h"
+#include "training/data/dataset.h"
+#include "training/data/layouts/formats.h"
 
 namespace neuvv {
 namespace {

@@ -1,5 +1,5 @@
 // Calibrations that programs wrote with OpenCV's FileStorage, a file for each camera.
-#include "training/layouts/opencv_cameras.h"
+#include "training/data/layouts/loaders.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "support/easymocap_files.h"
 #include "support/input_error.h"
 #include "support/rig_pixel.h"
-#include "training/layouts/formats.h"
+#include "training/data/layouts/formats.h"
 
 namespace neuvv {
 namespace {

@@ -1,5 +1,5 @@
 // Cameras that Pose2Sim or anipose calibrated.
-#include "training/layouts/pose2sim.h"
+#include "training/data/layouts/loaders.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "support/input_error.h"
 #include "support/rig_pixel.h"
 #include "support/temporary_folder.h"
-#include "training/layouts/formats.h"
+#include "training/data/layouts/formats.h"
 
 namespace neuvv {
 namespace {

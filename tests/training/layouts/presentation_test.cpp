@@ -1,5 +1,5 @@
 // What image files and videos say about how they are shown, and when, as data sets take it.
-#include "training/layouts/presentation.h"
+#include "training/data/layouts/presentation.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include "support/input_error.h"
 #include "support/jpeg_file.h"
 #include "support/video_file.h"
-#include "training/image_reader.h"
-#include "training/images.h"
-#include "training/layouts/formats.h"
+#include "training/data/image_reader.h"
+#include "training/data/images.h"
+#include "training/data/layouts/formats.h"
 
 namespace neuvv {
 namespace {

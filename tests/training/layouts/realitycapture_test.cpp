@@ -1,5 +1,5 @@
 // The table of cameras that RealityCapture exports.
-#include "training/layouts/realitycapture.h"
+#include "training/data/layouts/loaders.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include "support/input_error.h"
 #include "support/rig_pixel.h"
 #include "support/temporary_folder.h"
-#include "training/layouts/formats.h"
+#include "training/data/layouts/formats.h"
 
 namespace neuvv {
 namespace {

@@ -1,5 +1,5 @@
 // Recordings of the app Record3D.
-#include "training/layouts/record3d.h"
+#include "training/data/layouts/loaders.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "support/input_error.h"
 #include "support/rig_pixel.h"
 #include "support/temporary_folder.h"
-#include "training/layouts/formats.h"
+#include "training/data/layouts/formats.h"
 
 namespace neuvv {
 namespace {

@@ -7,10 +7,10 @@
 #include "support/easymocap_files.h"
 #include "support/input_error.h"
 #include "support/rig_pixel.h"
-#include "training/dataset.h"
-#include "training/layouts/formats.h"
-#include "training/layouts/holdout.h"
-#include "training/make_mattes.h"
+#include "training/data/dataset.h"
+#include "training/data/layouts/formats.h"
+#include "training/data/layouts/holdout.h"
+#include "training/data/make_mattes.h"
 
 namespace neuvv {
 namespace {

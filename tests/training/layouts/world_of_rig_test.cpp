@@ -1,13 +1,13 @@
 // Captures far from the origin, very small and very large ones.
-#include "training/layouts/world_of_rig.h"
+#include "training/data/layouts/world_of_rig.h"
 
 #include <gtest/gtest.h>
 
 #include "support/input_error.h"
 #include "support/sphere_capture.h"
-#include "training/camera_path_file.h"
-#include "training/dataset.h"
-#include "training/layouts/formats.h"
+#include "training/data/camera_path_file.h"
+#include "training/data/dataset.h"
+#include "training/data/layouts/formats.h"
 #include "voctree/world_frame.h"
 
 namespace neuvv {

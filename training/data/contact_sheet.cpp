@@ -1,0 +1,57 @@
+#include "training/data/contact_sheet.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace neuvv::training {
+
+namespace {
+
+media::Image shrunk(const media::Image& opaque, uint32_t factor) {
+    media::Image small(opaque.width / factor, opaque.height / factor);
+    const uint64_t area = uint64_t{factor} * factor;
+    for (uint32_t y = 0; y < small.height; ++y)
+        for (uint32_t x = 0; x < small.width; ++x)
+            for (uint32_t c = 0; c < 4; ++c) {
+                uint64_t sum = 0;
+                for (uint32_t v = 0; v < factor; ++v)
+                    for (uint32_t u = 0; u < factor; ++u) sum += opaque.at(x * factor + u, y * factor + v)[c];
+                small.at(x, y)[c] = static_cast<uint8_t>((sum + area / 2) / area);
+            }
+    return small;
+}
+
+media::Image enlarged(const media::Image& opaque, uint32_t factor) {
+    media::Image large(opaque.width * factor, opaque.height * factor);
+    for (uint32_t y = 0; y < large.height; ++y)
+        for (uint32_t x = 0; x < large.width; ++x) std::copy_n(opaque.at(x / factor, y / factor), 4, large.at(x, y));
+    return large;
+}
+
+}  // namespace
+
+media::Image scaled_to_fit(const media::Image& image, uint32_t longest) {
+    assert(longest > 0 && "an image is fitted into pixels");
+    const uint32_t side = std::max({image.width, image.height, 1u});
+    const media::Image opaque = media::composite_over(image, media::kWhite);
+    return side > longest ? shrunk(opaque, (side + longest - 1) / longest) : enlarged(opaque, longest / side);
+}
+
+media::Image contact_sheet(const std::vector<media::Image>& images, uint32_t columns, uint32_t cell) {
+    assert(columns > 0 && cell > 0 && "a contact sheet has cells");
+    columns = std::min(columns, static_cast<uint32_t>(images.size()));
+    if (columns == 0) return {};
+    const auto rows = static_cast<uint32_t>((images.size() + columns - 1) / columns);
+    media::Image sheet(columns * cell, rows * cell);
+    std::fill(sheet.rgba.begin(), sheet.rgba.end(), uint8_t{255});
+    for (uint32_t i = 0; i < images.size(); ++i) {
+        const media::Image image = scaled_to_fit(images[i], cell);
+        const uint32_t left = i % columns * cell + (cell - image.width) / 2;
+        const uint32_t top = i / columns * cell + (cell - image.height) / 2;
+        for (uint32_t y = 0; y < image.height; ++y)
+            std::copy_n(image.at(0, y), size_t{4} * image.width, sheet.at(left, top + y));
+    }
+    return sheet;
+}
+
+}  // namespace neuvv::training

@@ -1,0 +1,73 @@
+#include "training/data/image_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "media/orientation.h"
+#include "training/data/matte.h"
+
+namespace neuvv::training {
+
+namespace {
+
+constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 30;
+
+media::ImageHead as_used(media::ImageHead head, const ImageSource& source) {
+    if (source.as_stored) head.orientation = media::Orientation::kUpright;
+    return head;
+}
+
+}  // namespace
+
+media::Image ImageReader::read(const ImageSource& source, const ExpectSize& expect_size) {
+    if (source.video_frame < 0) {
+        const std::vector<uint8_t> bytes = read_file(source.path, kMaxImageFileBytes);
+        const std::string name = source.path.string();
+        const media::ImageHead head = as_used(media::image_head(bytes.data(), bytes.size(), name), source);
+        if (expect_size)
+            expect_size(media::shown_size(head.stored, head.orientation));
+        else
+            media::expect_content(head.stored, bytes.size(), name);
+        return media::shown(media::decode_image(bytes.data(), bytes.size(), name), head.orientation);
+    }
+    if (!video_ || path_ != source.path || source.video_frame < next_frame_) {
+        video_.emplace(source.path);
+        path_ = source.path;
+        next_frame_ = 0;
+    }
+    if (expect_size) expect_size(video_->size());
+    const auto expect = [&](bool there) {
+        if (!there)
+            throw InputError(source.path.string(), fmt::format("frame {}", source.video_frame),
+                             fmt::format("is past the video's end: it has {} frames", next_frame_),
+                             "make the videos of all cameras equally long");
+    };
+    for (; next_frame_ < source.video_frame; ++next_frame_) expect(video_->skip());
+    media::Image image;
+    expect(video_->next(image));
+    ++next_frame_;
+    return image;
+}
+
+media::Image read_plate(const ImageSource& source, const ImageReader::ExpectSize& expect_size) {
+    ImageReader reader;
+    if (source.video_frame < 0) return reader.read(source, expect_size);
+    const int64_t frames = media::VideoReader(source.path).frames();
+    const int64_t count = std::clamp<int64_t>(frames, 1, kMaxMedianFrames);
+    std::vector<media::Image> some;
+    for (int64_t i = 0; i < count; ++i)
+        some.push_back(reader.read({source.path, count > 1 ? i * (frames - 1) / (count - 1) : 0}, expect_size));
+    return median_background(some);
+}
+
+media::ImageSize size_of(const ImageSource& source) {
+    if (source.video_frame >= 0) return media::VideoReader(source.path).size();
+    const media::ImageHead head = as_used(media::image_head(source.path), source);
+    media::expect_content(head.stored, std::filesystem::file_size(source.path), source.path.string());
+    return media::shown_size(head.stored, head.orientation);
+}
+
+}  // namespace neuvv::training

@@ -1,0 +1,125 @@
+#include "training/data/layouts/formats.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "base/error.h"
+#include "training/data/layouts/holdout.h"
+#include "training/data/layouts/loaders.h"
+#include "training/data/layouts/plates.h"
+#include "training/data/layouts/presentation.h"
+#include "training/data/layouts/world_of_rig.h"
+
+namespace neuvv::training {
+
+namespace {
+
+struct Format {
+    const char* name;
+    const char* files;  // the files by which it is recognised, for errors
+    bool (*detects)(const std::filesystem::path& folder);
+    Rig (*read)(const std::filesystem::path& folder, Split split);
+    bool validates;  // has Split::kVal
+};
+
+// In the order in which layouts are tried, as a folder often contains files of several programs.
+constexpr Format kFormats[] = {
+    {"nerf", "transforms_train.json or transforms.json", has_nerf_files, read_nerf_rig, true},
+    {"polycam", "keyframes/cameras/*.json", has_polycam_files, read_polycam_rig, false},
+    {"n3v", "poses_bounds.npy", has_n3v_files, read_n3v_rig, false},
+    {"easymocap", "intri.yml", has_easymocap_files, read_easymocap_rig, false},
+    {"colmap", "sparse/0/cameras.bin or .txt", has_colmap_files, read_colmap_rig, false},
+    {"record3d", "metadata and rgb/", has_record3d_files, read_record3d_rig, false},
+    {"metashape", "cameras.xml", has_metashape_files, read_metashape_rig, false},
+    {"realitycapture", "a .csv of cameras", has_realitycapture_files, read_realitycapture_rig, false},
+    {"qualisys", "NAME.qca.txt", has_qualisys_files, read_qualisys_rig, false},
+    {"pose2sim", "Calib.toml", has_pose2sim_files, read_pose2sim_rig, false},
+    {"opencv", "<camera>.yml", has_opencv_files, read_opencv_rig, false},
+};
+
+const Format& find_format(const std::filesystem::path& folder, const std::string& name) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(folder, ignored)) throw InputError(folder.string(), "", "there is no such folder");
+    if (!std::filesystem::is_directory(folder, ignored))
+        throw InputError(folder.string(), "", "is a file, not the folder of a data set", "name its folder");
+    std::string known;
+    for (const Format& format : kFormats) {
+        if (name == kAnyFormat ? format.detects(folder) : name == format.name) return format;
+        known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", format.files, format.name);
+    }
+    if (name == kAnyFormat)
+        throw InputError(folder.string(), "", "is no data set of a known layout", "name a folder that holds " + known);
+    throw InputError("--format", name, "is not a known layout", "give one of " + known);
+}
+
+// Says which other layouts' files lie in the folder, where none was named.
+void note_other_formats(Rig& rig, const Format& chosen) {
+    std::string others;
+    for (const Format& format : kFormats)
+        if (&format != &chosen && format.detects(rig.folder))
+            others += fmt::format("{}{} ({})", others.empty() ? "" : ", ", format.name, format.files);
+    if (!others.empty())
+        rig.remarks.push_back(
+            fmt::format("read as {}; the folder also has files of {}, which --format takes", chosen.name, others));
+}
+
+// Checks what must hold in every layout. Errors name the place in the layout's own file.
+void expect_sound(const Rig& rig) {
+    if (rig.shots.empty())
+        throw InputError(rig.file.empty() ? rig.folder.string() : rig.file, "", "has no image of this split");
+    std::map<std::pair<std::filesystem::path, int64_t>, const Shot*> images;
+    std::map<std::pair<uint32_t, double>, const Shot*> shots_by_time;
+    std::map<std::string, const Shot*> names;
+    for (const Shot& shot : rig.shots) {
+        const auto fail = [&](const std::string& problem, const std::string& fix) {
+            throw InputError(rig.file, shot.place, problem, fix);
+        };
+        if (!(shot.time >= 0 && shot.time <= 1)) fail(fmt::format("has the time {}, outside [0,1]", shot.time), "");
+        const auto image = std::pair(shot.image.path.lexically_normal(), shot.image.video_frame);
+        if (const auto [same, fresh] = images.try_emplace(image, &shot); !fresh)
+            fail("is the image of " + same->second->place + " again", "give each frame its own image");
+        if (const auto [twin, alone] = shots_by_time.try_emplace({shot.camera, shot.time}, &shot); !alone)
+            fail("has the camera and the time of " + twin->second->place,
+                 "remove the duplicate, or give each frame its time");
+        if (const auto [twin, alone] = names.try_emplace(shot.name, &shot); !alone)
+            fail(fmt::format("bears the name {} of {}", shot.name, twin->second->place), "rename its image");
+    }
+}
+
+}  // namespace
+
+std::vector<std::string> format_names() {
+    std::vector<std::string> names = {kAnyFormat};
+    for (const Format& format : kFormats) names.push_back(format.name);
+    return names;
+}
+
+void drop_cameras_without_shots(Rig& rig) {
+    std::vector<RigCamera> kept;
+    std::map<uint32_t, uint32_t> numbers;
+    for (Shot& shot : rig.shots) {
+        const auto [number, fresh] = numbers.try_emplace(shot.camera, static_cast<uint32_t>(kept.size()));
+        if (fresh) kept.push_back(rig.cameras.at(shot.camera));
+        shot.camera = number->second;
+    }
+    rig.cameras = std::move(kept);
+}
+
+Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format, const std::string& holdout) {
+    const Format& layout = find_format(folder, format);
+    if (split == Split::kVal && (!layout.validates || !holdout.empty()))
+        throw InputError(folder.string(), "", fmt::format("{} data sets have no validation split", layout.name),
+                         "take train or test");
+    Rig rig = layout.read(folder, holdout.empty() ? split : Split::kAll);
+    if (!holdout.empty()) select_split(rig, holdout, split);
+    if (format == kAnyFormat) note_other_formats(rig, layout);
+    place_near_origin(rig);
+    drop_cameras_without_shots(rig);  // some layouts calibrate the cameras of all splits
+    find_plates(rig);
+    expect_sound(rig);
+    settle_presentation(rig);
+    return rig;
+}
+
+}  // namespace neuvv::training

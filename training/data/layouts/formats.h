@@ -1,0 +1,27 @@
+// The layouts of data sets that NeuVV reads, recognised by their files.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "training/data/layouts/rig.h"
+
+namespace neuvv::training {
+
+constexpr char kAnyFormat[] = "auto";
+
+// The values of --format: kAnyFormat, then the names of the layouts.
+std::vector<std::string> format_names();
+
+// The cameras and shots of a split; cameras without shots are left out. What it returns is checked: there is a shot, no
+// two shots have the same name, the same image, or the same camera and time, and times lie in [0,1]. `format` is one of
+// format_names(); kAnyFormat takes the first layout whose files exist. Throws InputError.
+// `holdout` says which cameras are held out (holdout.h); where it is empty, the layout does.
+Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format = kAnyFormat,
+             const std::string& holdout = "");
+
+// Removes the cameras of which no shot is in the rig.
+void drop_cameras_without_shots(Rig& rig);
+
+}  // namespace neuvv::training

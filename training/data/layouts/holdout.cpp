@@ -1,0 +1,81 @@
+#include "training/data/layouts/holdout.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "base/error.h"
+#include "base/text.h"
+
+namespace neuvv::training {
+
+namespace {
+
+constexpr char kOption[] = "--holdout";
+constexpr char kForms[] = "give a number of cameras (0: none), a share (12.5%), or names (cam03,cam07)";
+
+std::optional<double> number_in(std::string text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+    return value;
+}
+
+// How many cameras are meant; nothing where the text is a name.
+std::optional<size_t> count_of(const std::vector<std::string>& cameras, const std::string& holdout) {
+    const bool percent = holdout.ends_with('%');
+    const auto number = number_in(percent ? holdout.substr(0, holdout.size() - 1) : holdout);
+    if (!number) return std::nullopt;
+    const bool whole = !percent && holdout.find_first_not_of("0123456789") == std::string::npos;
+    const bool names_one = std::ranges::find(cameras, holdout) != cameras.end();
+    const auto all = static_cast<double>(cameras.size());
+    if (whole && names_one && (*number > all || (holdout.size() > 1 && holdout[0] == '0'))) return std::nullopt;
+    const double share = percent ? *number / 100 : *number;
+    if (whole ? *number > all : !(share >= 0 && share < 1))
+        throw InputError(kOption, holdout, fmt::format("is more than the {} cameras that there are", cameras.size()),
+                         kForms);
+    if (whole) return static_cast<size_t>(*number);
+    return static_cast<size_t>(share > 0 ? std::max(1.0, std::round(share * all)) : 0);
+}
+
+// Whether the camera has this name, or is one of the images of that folder.
+bool is_named(const std::string& camera, const std::string& name) {
+    return camera == name || camera.starts_with(name + "/");
+}
+
+}  // namespace
+
+std::vector<bool> held_out(const std::vector<std::string>& cameras, const std::string& holdout) {
+    std::vector<bool> held(cameras.size());
+    if (const std::optional<size_t> count = count_of(cameras, holdout)) {
+        for (size_t i = 0; i < *count; ++i) held[i * cameras.size() / *count] = true;
+        return held;
+    }
+    for (const std::string& name : split(holdout, ',')) {
+        if (name.empty()) continue;
+        bool found = false;
+        for (size_t i = 0; i < cameras.size(); ++i)
+            if (is_named(cameras[i], name)) held[i] = found = true;
+        if (!found)
+            throw InputError(kOption, name, "is no camera",
+                             fmt::format("the cameras are {:.500}", fmt::to_string(fmt::join(cameras, ", "))));
+    }
+    return held;
+}
+
+void select_split(Rig& rig, const std::string& holdout, Split wanted) {
+    std::vector<std::string> names;
+    for (const RigCamera& camera : rig.cameras) names.push_back(camera.name);
+    const std::vector<bool> held = held_out(names, holdout);
+    std::erase_if(rig.shots, [&](const Shot& shot) { return held[shot.camera] != (wanted == Split::kTest); });
+    if (rig.shots.empty())
+        throw InputError(kOption, holdout,
+                         wanted == Split::kTest ? "holds out no camera" : "leaves no camera to train with", kForms);
+}
+
+}  // namespace neuvv::training

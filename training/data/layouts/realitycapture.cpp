@@ -1,0 +1,187 @@
+// The table: #name,x,y,alt,heading,pitch,roll,f,px,py,k1,k2,k3,k4,t1,t2, a line for each image. Its conventions, of
+// which the program's help has only parts:
+// - Camera to world, OpenGL axes, +Z up: Rz(−heading) Rx(pitch) Ry(roll), in degrees. nerfstudio's
+//   realitycapture_utils.py has the same, and it agrees in all digits with an XMP file that was exported of the same
+//   camera ("Different rotation of cameras in XMP and CSV" in Epic's forum; the test has its numbers).
+// - f is for a film of 36 mm along the image's longer side. px and py are parts of the longer side, from the image's
+//   middle, as AliceVision and brush read them ("RealityCapture XMP Camera Math": image coordinates are −½ to ½).
+// - k1, k2, k3 are Brown's radial terms r², r⁴, r⁶. Programs disagree about the order of t1 and t2, and no lens of
+//   lens.h has a term r⁸ (k4), so these must be 0, as they are with RealityCapture's own choice, Brown3.
+#include "training/data/layouts/loaders.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <numbers>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "base/text.h"
+#include "training/data/image_reader.h"
+#include "training/data/layouts/calibration.h"
+#include "training/data/layouts/camera_folders.h"
+#include "training/data/layouts/candidates.h"
+#include "training/data/layouts/json_pose.h"
+
+namespace neuvv::training {
+
+namespace {
+
+constexpr uint64_t kMaxTableBytes = uint64_t{64} << 20;
+constexpr double kFilm_mm = 36;
+constexpr const char* kByteOrderMark = "\xef\xbb\xbf";
+constexpr const char* kRequired[] = {"x", "y", "alt", "heading", "pitch", "roll", "f"};
+constexpr const char* kOptional[] = {"px", "py", "k1", "k2", "k3", "k4", "t1", "t2"};
+
+Choice table_file(const std::filesystem::path& folder) {
+    return newest_of(find_files_by_head(folder, ".csv", {"#name", "heading", "pitch", "roll"}));
+}
+
+struct Row {
+    std::string name, place;
+    std::map<std::string, double> values;  // by column; a missing optional column is 0
+};
+
+double parse_number(const std::string& text, const std::string& file, const std::string& place) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+        throw InputError(file, place, fmt::format("\"{:.40}\" is no number", text));
+    return value;
+}
+
+// The position of each column, which users may choose in RealityCapture.
+std::map<std::string, size_t> read_header(const std::vector<std::string>& fields, const std::string& file) {
+    std::map<std::string, size_t> columns;
+    for (size_t i = 0; i < fields.size(); ++i)
+        columns.try_emplace(fields[i].starts_with('#') ? fields[i].substr(1) : fields[i], i);
+    const auto expect = [&](const char* column) {
+        if (!columns.contains(column))
+            throw InputError(file, "header", fmt::format("has no column {}", column),
+                             "export Internal/External camera parameters");
+    };
+    expect("name");
+    for (const char* column : kRequired) expect(column);
+    return columns;
+}
+
+Row read_row(const std::vector<std::string>& fields, const std::map<std::string, size_t>& columns,
+             const std::string& file, size_t line) {
+    Row row;
+    row.place = fmt::format("line {}", line);
+    const auto field = [&](const std::string& column) -> const std::string& {
+        const size_t at = columns.at(column);
+        if (at >= fields.size())
+            throw InputError(file, row.place, fmt::format("ends before its {}", column), "export the table again");
+        return fields[at];
+    };
+    row.name = without_extension(portable_name(field("name")));
+    for (const char* column : kRequired)
+        row.values[column] = parse_number(field(column), file, row.place + ", " + column);
+    for (const char* column : kOptional)
+        row.values[column] =
+            columns.contains(column) ? parse_number(field(column), file, row.place + ", " + column) : 0;
+    return row;
+}
+
+std::vector<Row> read_table(const std::filesystem::path& path) {
+    const std::vector<uint8_t> bytes = read_file(path, kMaxTableBytes);
+    const std::string file = path.string();
+    std::map<std::string, size_t> columns;
+    std::vector<Row> rows;
+    size_t number = 0;
+    for (std::string& line : split(std::string(bytes.begin(), bytes.end()), '\n')) {
+        if (++number == 1 && line.starts_with(kByteOrderMark)) line.erase(0, std::strlen(kByteOrderMark));
+        if (line.ends_with('\r')) line.pop_back();
+        if (line.empty()) continue;
+        const std::vector<std::string> fields = split(line, ',');
+        if (line.starts_with("#name"))
+            columns = read_header(fields, file);
+        else if (!line.starts_with('#')) {
+            if (columns.empty()) throw InputError(file, fmt::format("line {}", number), "stands before the header");
+            rows.push_back(read_row(fields, columns, file, number));
+        }
+    }
+    if (rows.empty()) throw InputError(file, "", "has no camera", "align the images in RealityCapture");
+    return rows;
+}
+
+glm::dmat3 turn(int axis, double degrees) {
+    const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
+    const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+    glm::dmat3 result(1);
+    result[next][next] = result[last][last] = c;
+    result[next][last] = s;
+    result[last][next] = -s;
+    return result;
+}
+
+glm::dmat4 pose_of(const Row& row) {
+    const auto at = [&](const char* column) { return row.values.at(column); };
+    const glm::dmat3 axes = kYUpFromZUp * turn(2, -at("heading")) * turn(0, at("pitch")) * turn(1, at("roll"));
+    return {glm::dvec4(axes[0], 0), glm::dvec4(axes[1], 0), glm::dvec4(axes[2], 0),
+            glm::dvec4(kYUpFromZUp * glm::dvec3(at("x"), at("y"), at("alt")), 1)};
+}
+
+Lens lens_of(const Row& row, media::ImageSize size, const std::string& file) {
+    const auto at = [&](const char* column) { return row.values.at(column); };
+    for (const char* term : {"k4", "t1", "t2"})
+        if (at(term) != 0)
+            throw InputError(
+                file, row.place, fmt::format("the camera {} has a distortion {}", row.name, term),
+                "choose the distortion model Brown3 in RealityCapture's alignment settings, and align again");
+    const double longer = std::max(size.width, size.height);
+    Lens lens;
+    lens.model = LensModel::kBrown;
+    lens.fx = lens.fy = at("f") * longer / kFilm_mm;
+    lens.cx = 0.5 * size.width + at("px") * longer;
+    lens.cy = 0.5 * size.height + at("py") * longer;
+    lens.k = {at("k1"), at("k2"), at("k3")};
+    lens.width = size.width;
+    lens.height = size.height;
+    return lens;
+}
+
+}  // namespace
+
+bool has_realitycapture_files(const std::filesystem::path& folder) {
+    return !table_file(folder).path.empty();
+}
+
+Rig read_realitycapture_rig(const std::filesystem::path& folder, Split split) {
+    const auto [path, remark] = table_file(folder);
+    if (path.empty())
+        throw InputError(folder.string(), "", "holds no table of RealityCapture's cameras",
+                         "export Registration, Internal/External camera parameters, as .csv");
+    Rig rig;
+    rig.folder = folder;
+    rig.format = "realitycapture";
+    rig.images_as_stored = true;
+    rig.file = path.string();
+    if (!remark.empty()) rig.remarks.push_back(remark);
+    rig.world = "metres where the project has a scale (ground control points, distances); +Y up, turned from +Z up";
+    std::vector<CalibratedCamera> calibrated;
+    std::map<std::string, Row> rows;
+    for (Row& row : read_table(path)) {
+        RigCamera camera;
+        camera.name = row.name;
+        camera.world_from_camera = pose_of(row);
+        calibrated.push_back({camera, row.place});
+        rows.try_emplace(row.name, std::move(row));
+    }
+    std::vector<CameraFrames> cameras = find_images(rig, calibrated);
+    for (CameraFrames& camera : cameras) {  // the table does not say how large images are
+        ImageSource first = camera.frames.begin()->second;
+        first.as_stored = rig.images_as_stored;
+        camera.camera.lens = lens_of(rows.at(camera.camera.name), size_of(first), rig.file);
+        expect_sound(camera.camera, rig.file, camera.place);
+    }
+    add_cameras(rig, cameras, split);
+    return rig;
+}
+
+}  // namespace neuvv::training

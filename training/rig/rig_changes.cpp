@@ -1,0 +1,59 @@
+#include "training/rig/rig_changes.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace neuvv::training {
+
+namespace {
+
+constexpr size_t kMostLeftOut = 4;  // one camera in so many
+
+// The frame that a view shows; −1 beyond the clip.
+int64_t frame_shown(const Dataset& dataset, const View& view, double frames_late) {
+    const auto at = std::ranges::lower_bound(dataset.times, view.time) - dataset.times.begin();
+    const int64_t frame = at + std::lround(frames_late);
+    return frame < static_cast<int64_t>(dataset.times.size()) ? std::max<int64_t>(frame, -1) : -1;
+}
+
+}  // namespace
+
+bool is_between_frames(double frames_late) {
+    return std::abs(frames_late - std::round(frames_late)) > kMostOffFrame;
+}
+
+std::vector<bool> left_out(const RigChanges& changes) {
+    std::vector<bool> out;
+    for (const double late : changes.frames_late) out.push_back(is_between_frames(late));
+    if (static_cast<size_t>(std::ranges::count(out, true)) * kMostLeftOut > out.size()) out.assign(out.size(), false);
+    return out;
+}
+
+void apply(const RigChanges& changes, Dataset& dataset) {
+    dataset.cameras = moved(dataset.cameras, changes.poses);
+    if (changes.frames_late.empty()) return;
+    assert(changes.frames_late.size() == dataset.cameras.size() && "a number for each camera");
+    const std::vector<bool> out = left_out(changes);
+    // The frame of each view; −1: it is left out.
+    std::vector<int64_t> frames;
+    std::vector<bool> has_image(dataset.times.size());
+    for (const View& view : dataset.views) {
+        frames.push_back(out[view.camera] ? -1 : frame_shown(dataset, view, changes.frames_late[view.camera]));
+        if (frames.back() >= 0) has_image[static_cast<size_t>(frames.back())] = true;
+    }
+    if (!std::ranges::all_of(has_image, [](bool has) { return has; }))
+        throw InputError(dataset.folder.string(), "",
+                         "has a frame of which no image is left without cameras that are late",
+                         "train without --refine time");
+    size_t view = 0;
+    std::erase_if(dataset.views, [&](View& one) {
+        const int64_t frame = frames[view++];
+        if (frame >= 0) one.time = dataset.times[static_cast<size_t>(frame)];
+        return frame < 0;
+    });
+}
+
+}  // namespace neuvv::training

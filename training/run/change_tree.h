@@ -1,0 +1,22 @@
+// What happens to the tree of a run where a phase begins (schedule.h): leaves merge, are removed, divide and revive.
+#pragma once
+
+#include "training/data/dataset.h"
+#include "training/run/checkpoint.h"
+
+namespace neuvv::training {
+
+struct TreeChange {
+    RunState& run;  // in the phase that begins; max_depth may change
+    const Dataset& dataset;
+    double epochs = 0;            // of the phase before
+    double rays_of_run = 0;       // that the whole run is expected to trace, at the speed so far
+    uint32_t max_leaves = 0;      // the bound on leaves; 0: none
+    double hull_margin = 0;       // TreeShape::hull_margin
+    bool may_stay_coarse = true;  // TrainSettings::may_stay_coarse
+};
+
+// Changes the tree. `use`: of its leaves, since it last changed.
+void change_tree(const TreeChange& change, voctree::VOctree& tree, LeafUse use);
+
+}  // namespace neuvv::training
