@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/frame.h"
-#include "render/linear_image.h"
+#include "render/frame/frame.h"
+#include "render/rays/linear_image.h"
 #include "tools/commands.h"
 #include "training/evaluation/metrics.h"
 

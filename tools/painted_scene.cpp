@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "edit/operations.h"
 #include "editor/open_file.h"
-#include "render/trace.h"
+#include "render/volume/trace.h"
 #include "tools/stage_verbs.h"
 #include "tools/view_path.h"
 #include "training/data/camera_path_file.h"

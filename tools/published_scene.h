@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "render/segment_paint.h"
+#include "render/clips/segment_paint.h"
 #include "stage/stage.h"
 #include "voctree/clip_index.h"
 #include "voctree/slice_paint.h"

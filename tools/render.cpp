@@ -13,7 +13,7 @@
 #include "editor/open_file.h"
 #include "gpu/frame_capture.h"
 #include "media/image_sink.h"
-#include "render/frame_passes.h"
+#include "render/frame/frame_passes.h"
 #include "stream/nvs_reader.h"
 #include "tools/options.h"
 #include "tools/render.h"

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "media/image_sink.h"
-#include "render/frame.h"
-#include "render/image_layers.h"
+#include "render/frame/frame.h"
+#include "render/frame/image_layers.h"
 
 namespace neuvv::tools {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "render/ray_grid.h"
+#include "render/rays/ray_grid.h"
 #include "stage/camera.h"
 #include "xr/session.h"
 

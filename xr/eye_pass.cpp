@@ -6,7 +6,7 @@
 #include <cassert>
 #include <cstring>
 
-#include "render/raster.h"
+#include "render/set/raster.h"
 #include "shared/eye.h"
 #include "spirv/eye.frag.h"
 #include "spirv/eye.vert.h"

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "gpu/graphics_pass.h"
-#include "render/stage_renderer.h"
+#include "render/clips/stage_renderer.h"
 #include "xr/eye_shapes.h"
 #include "xr/eye_text.h"
 #include "xr/locomotion.h"

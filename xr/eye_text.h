@@ -6,7 +6,7 @@
 #include <span>
 
 #include "gpu/graphics_pass.h"
-#include "render/ray_target.h"
+#include "render/rays/ray_target.h"
 #include "shared/eye.h"
 #include "xr/eye_shapes.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "motion/skeleton.h"
-#include "render/highlight.h"
+#include "render/volume/highlight.h"
 
 namespace neuvv::coach {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "motion/skeleton.h"
-#include "render/stage_renderer.h"
+#include "render/clips/stage_renderer.h"
 #include "stage/evaluated_stage.h"
 
 namespace neuvv::coach {

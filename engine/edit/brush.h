@@ -3,7 +3,7 @@
 #pragma once
 
 #include "edit/select.h"
-#include "render/pick.h"
+#include "render/volume/pick.h"
 
 namespace neuvv::edit {
 

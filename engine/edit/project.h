@@ -11,7 +11,7 @@
 
 #include "edit/select.h"
 #include "media/image.h"
-#include "render/pick.h"
+#include "render/volume/pick.h"
 
 namespace neuvv::edit {
 

@@ -18,7 +18,7 @@ constexpr double kMaxDepthFactor = 20;
 // Whether a pointer has a position: that of ImGui is −FLT_MAX where there is no pointer.
 bool is_valid_pointer(glm::dvec2 pointer);
 
-// The ray through a pixel, in the world: that of pick_ray (render/pick.h) in double precision.
+// The ray through a pixel, in the world: that of pick_ray (render/volume/pick.h) in double precision.
 Ray ray_through(const stage::Camera& camera, glm::dvec2 pixel);
 
 // The depth of a point: metres in front of the camera along its axis, negative behind it.

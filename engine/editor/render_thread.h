@@ -20,8 +20,8 @@
 #include "edit/edited_stage.h"
 #include "editor/block_grid.h"
 #include "editor/dynamic_scale.h"
-#include "render/clip_preload.h"
-#include "render/stage_renderer.h"
+#include "render/clips/clip_preload.h"
+#include "render/clips/stage_renderer.h"
 
 namespace neuvv::editor {
 

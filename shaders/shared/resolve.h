@@ -13,7 +13,7 @@ CONSTEXPR uint kResolveImage = 2u;  // one R8G8B8A8 word per pixel
 CONSTEXPR uint kResolveTiles = 3u;  // where only some tiles are resolved: these, then kNoTile
 
 CONSTEXPR uint kResolveCameras = 4u;  // as kTraceCameras
-// The set's images (render/set_raster.h): a texel per ray, or per pixel where there are fewer rays than pixels
+// The set's images (render/set/set_raster.h): a texel per ray, or per pixel where there are fewer rays than pixels
 CONSTEXPR uint kResolveSetColour = 5u;
 CONSTEXPR uint kResolveSetFront = 6u;
 CONSTEXPR uint kResolveSetDepth = 7u;

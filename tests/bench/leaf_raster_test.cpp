@@ -10,8 +10,9 @@
 #include <unordered_map>
 
 #include "reference/camera.h"
-#include "render/shade.h"
-#include "render/trace_tree.h"
+#include "render/volume/shade.h"
+#include "render/volume/tile_range.h"
+#include "render/volume/trace_tree.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"

@@ -16,7 +16,7 @@
 #include "reference/sample.h"
 #include "reference/slice.h"
 #include "reference/trace.h"
-#include "render/trace.h"
+#include "render/volume/trace.h"
 #include "support/figure.h"
 #include "support/gpu_test.h"
 #include "support/random_tree.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "render/pick.h"
+#include "render/volume/pick.h"
 #include "tests/editor/some_camera.h"
 
 namespace neuvv {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace neuvv::test {
 

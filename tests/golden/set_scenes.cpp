@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "gpu/host_copies.h"
-#include "render/raster.h"
+#include "render/set/raster.h"
 #include "support/look_at.h"
 #include "support/set_scene.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "render/set_raster.h"
+#include "render/set/set_raster.h"
 #include "stage/gltf_scene.h"
 
 namespace neuvv::test {

@@ -4,7 +4,7 @@
 
 #include "edit/operations.h"
 #include "golden/foreign_stage.h"
-#include "render/stage_renderer.h"
+#include "render/clips/stage_renderer.h"
 #include "support/look_at.h"
 #include "support/temporary_folder.h"
 #include "support/waver_tree.h"

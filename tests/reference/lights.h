@@ -4,7 +4,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 
-#include "render/set_lights.h"
+#include "render/set/set_lights.h"
 
 namespace neuvv::reference {
 

@@ -1,5 +1,5 @@
 // The environment of a stage: irradiance and blurred levels against quadrature, and the background behind the set.
-#include "render/environment.h"
+#include "render/set/environment.h"
 
 #include "render/set_truth.h"
 #include "support/gpu_test.h"

@@ -1,12 +1,12 @@
 // Far levels: which level a performer is drawn at, that images of far performers come nearer to those of many rays, and
 // that what is near or painted is drawn as without levels.
-#include "render/field_levels.h"
+#include "render/volume/field_levels.h"
 
 #include <gtest/gtest.h>
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/waver_tree.h"

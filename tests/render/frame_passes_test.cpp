@@ -1,5 +1,5 @@
 // The intermediate buffers of a frame as images: their sizes, and what their numbers mean.
-#include "render/frame_passes.h"
+#include "render/frame/frame_passes.h"
 
 #include <gtest/gtest.h>
 

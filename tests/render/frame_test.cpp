@@ -1,5 +1,5 @@
 // Whole frames, by slice and by the direct path, against the reference: every pixel's light, alpha and depth.
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "base/error.h"
-#include "render/reference_paths.h"
+#include "render/volume/reference_paths.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"
@@ -168,8 +168,8 @@ TEST_F(FrameTest, TraceAndDirectMatchTheReferenceInEveryPixel) {
     }
 }
 
-// Where most leaves are at odd depths, the walk tree has another root (render/walk_tree.h), also where levels are
-// unused.
+// Where most leaves are at odd depths, the walk tree has another root (render/volume/walk_tree.h), also where levels
+// are unused.
 TEST_F(FrameTest, ATreeOfOddDepthsMatchesTheReference) {
     for (const uint32_t node_levels : {2u, 3u, 5u}) {
         voctree::VOctree tree = random_tree({.seed = 7, .node_levels = node_levels, .leaves = 300 * (node_levels - 1)});

@@ -1,12 +1,12 @@
 // Highlights: leaves bound to bones and tinted, against the reference; and only on the instance that has one.
-#include "render/highlight.h"
+#include "render/volume/highlight.h"
 #include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
 
 #include "reference/highlight.h"
-#include "render/frame.h"
-#include "render/shade.h"
+#include "render/frame/frame.h"
+#include "render/volume/shade.h"
 #include "support/gpu_test.h"
 #include "support/host_tree.h"
 #include "support/look_at.h"

@@ -1,13 +1,13 @@
 // Segments of rays on the host and the layers that are made of them, against brute force.
-#include "render/image_layers.h"
+#include "render/frame/image_layers.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "reference/merge.h"
-#include "render/linear_image.h"
-#include "render/ray_segments.h"
+#include "render/rays/linear_image.h"
+#include "render/rays/ray_segments.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"

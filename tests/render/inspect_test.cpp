@@ -1,5 +1,5 @@
 // Inspection against the reference: the level at which rays meet a surface, and the steps of their walks.
-#include "render/inspect.h"
+#include "render/volume/inspect.h"
 #include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "reference/camera.h"
 #include "reference/inspect.h"
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"

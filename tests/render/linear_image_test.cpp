@@ -1,5 +1,5 @@
 // linear_image against sums that are written out, and the rows that it gets.
-#include "render/linear_image.h"
+#include "render/rays/linear_image.h"
 #include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/view_layout.h"
+#include "render/rays/view_layout.h"
 #include "support/gpu_test.h"
 
 namespace neuvv {

@@ -1,7 +1,7 @@
 // Where the device has no memory left, images are drawn with fewer slices, and look the same.
 #include <gtest/gtest.h>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"

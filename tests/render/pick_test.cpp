@@ -1,5 +1,5 @@
 // Picking against the reference: the leaf that a ray meets, and its distance.
-#include "render/pick.h"
+#include "render/volume/pick.h"
 #include "media/image.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "render/raster.h"
+#include "render/set/raster.h"
 
 #include <gtest/gtest.h>
 

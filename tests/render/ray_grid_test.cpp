@@ -1,5 +1,5 @@
 // Rays that are fewer than pixels: their positions, and the image that upscaling makes of them.
-#include "render/ray_grid.h"
+#include "render/rays/ray_grid.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Resolve: rays to an 8-bit sRGB image.
-#include "render/resolve.h"
+#include "render/rays/resolve.h"
 #include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include "reference/camera.h"
 #include "reference/lights.h"
 #include "reference/trace.h"
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"

@@ -1,5 +1,5 @@
 // The textures of glTF materials other than the base colour, on a floor, against double precision.
-#include "render/set_raster.h"
+#include "render/set/set_raster.h"
 #include "render/set_truth.h"
 #include "support/gpu_test.h"
 

@@ -1,5 +1,5 @@
 // The raster of the set against double precision: lights, depth, alpha, poses.
-#include "render/set_raster.h"
+#include "render/set/set_raster.h"
 #include "gpu/host_copies.h"
 
 #include "render/set_truth.h"

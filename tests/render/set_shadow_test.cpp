@@ -6,7 +6,7 @@
 #include "gpu/commands.h"
 #include "gpu/host_copies.h"
 #include "render/light_probe.h"
-#include "render/set_raster.h"
+#include "render/set/set_raster.h"
 #include "render/set_truth.h"
 #include "spirv/light_probe.comp.h"
 #include "support/gpu_test.h"

@@ -1,5 +1,5 @@
 // The low-pass of performers' shadow maps against double precision.
-#include "render/shadow_blur.h"
+#include "render/volume/shadow_blur.h"
 #include "gpu/host_copies.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Which segments of a clip are read, and which stay on the device.
-#include "render/shown_segments.h"
+#include "render/clips/shown_segments.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The slice tree against the reference's slice: live cells and their entries; and the ranges of tiles.
-#include "render/slice_tree.h"
+#include "render/volume/slice_tree.h"
 #include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include "reference/camera.h"
 #include "reference/slice.h"
 #include "reference/trace.h"
-#include "render/tile_range.h"
+#include "render/volume/tile_range.h"
 #include "support/gpu_test.h"
 #include "support/host_tree.h"
 #include "support/look_at.h"

@@ -1,5 +1,5 @@
 // Long clips on a stage: a few segments at a time are on the device, and what is drawn does not depend on which.
-#include "render/stage_clips.h"
+#include "render/clips/stage_clips.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <thread>
 
-#include "render/stage_renderer.h"
+#include "render/clips/stage_renderer.h"
 #include "stream/nvs_writer.h"
 #include "support/gpu_test.h"
 #include "support/input_error.h"

@@ -1,5 +1,5 @@
 // Which performers rays meet on a stage: against the figure's shape, which is known in closed form.
-#include "render/stage_pick.h"
+#include "render/clips/stage_pick.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // A renderer whose stage is edited draws the same as a new renderer of the edited stage.
-#include "render/stage_renderer.h"
+#include "render/clips/stage_renderer.h"
 #include "gpu/host_copies.h"
 
 #include <fmt/format.h>

@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "base/trace_file.h"
-#include "render/frame.h"
-#include "render/stage_clips.h"
+#include "render/clips/stage_clips.h"
+#include "render/frame/frame.h"
 #include "stream/served_stream.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"

@@ -1,9 +1,9 @@
 // What a warm-up has compiled is not compiled again when the field is drawn.
-#include "render/warm_up.h"
+#include "render/clips/warm_up.h"
 
 #include <gtest/gtest.h>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "support/figure.h"
 
 namespace neuvv::test {

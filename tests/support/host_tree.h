@@ -7,7 +7,7 @@
 
 #include "gpu/host_copies.h"
 #include "reference/slice.h"
-#include "render/slice_tree.h"
+#include "render/volume/slice_tree.h"
 #include "voctree/half.h"
 
 namespace neuvv::test {

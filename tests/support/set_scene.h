@@ -11,7 +11,7 @@
 #include "base/platform.h"
 #include "gpu/host_copies.h"
 #include "media/image.h"
-#include "render/set_raster.h"
+#include "render/set/set_raster.h"
 #include "tests/stage/glb_builder.h"
 #include "voctree/half.h"
 

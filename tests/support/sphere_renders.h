@@ -1,7 +1,7 @@
 // Renders of a model that was trained on a sphere's capture, by cameras that the capture does not have.
 #pragma once
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "support/sphere_capture.h"
 #include "training/evaluation/metrics.h"
 #include "voctree/nvv.h"

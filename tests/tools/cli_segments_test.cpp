@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "base/seconds.h"
-#include "render/stage_renderer.h"
+#include "render/clips/stage_renderer.h"
 #include "support/child_process.h"
 #include "support/mpirun.h"
 #include "support/segmented_copy.h"

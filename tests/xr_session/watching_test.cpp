@@ -3,7 +3,7 @@
 
 #include "edit/operations.h"
 #include "golden/golden.h"
-#include "render/stage_renderer.h"
+#include "render/clips/stage_renderer.h"
 #include "support/gpu_test.h"
 #include "xr/eye_camera.h"
 #include "xr_session/xr_session.h"

@@ -14,7 +14,7 @@
 #include "editor/open_file.h"
 #include "motion/pose_source.h"
 #include "motion/skeleton_file.h"
-#include "render/stage_renderer.h"
+#include "render/clips/stage_renderer.h"
 #include "tools/bench/measure.h"
 #include "tools/bench/vmc_sender.h"
 #include "tools/options.h"

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
-#include "render/field_levels.h"
+#include "render/volume/field_levels.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"
 #include "tools/view_path.h"

@@ -1,11 +1,11 @@
 #include "tools/bench/leaf_raster.h"
 
 #include "gpu/host_copies.h"
-#include "render/tile_range.h"
+#include "render/volume/tile_range.h"
 
 #include <bit>
 
-#include "render/trace_tree.h"
+#include "render/volume/trace_tree.h"
 #include "shared/leaf_raster.h"
 #include "spirv/leaf_composite.comp.h"
 #include "spirv/leaf_pairs.comp.h"

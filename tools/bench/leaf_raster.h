@@ -3,8 +3,8 @@
 // leaves, as SVRaster does.
 #pragma once
 
-#include "render/slice_tree.h"
-#include "render/trace.h"
+#include "render/volume/slice_tree.h"
+#include "render/volume/trace.h"
 #include "tools/bench/pair_sort.h"
 
 namespace neuvv::bench {

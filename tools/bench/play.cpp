@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "base/platform.h"
-#include "render/stage_renderer.h"
+#include "render/clips/stage_renderer.h"
 #include "tools/bench/measure.h"
 #include "tools/options.h"
 #include "tools/report.h"

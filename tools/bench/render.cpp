@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "base/platform.h"
-#include "render/reference_paths.h"
+#include "render/volume/reference_paths.h"
 #include "tools/bench/rivals.h"
 #include "tools/report.h"
 #include "tools/view_path.h"

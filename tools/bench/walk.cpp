@@ -7,7 +7,7 @@
 
 #include "base/platform.h"
 #include "gpu/host_copies.h"
-#include "render/performer.h"
+#include "render/volume/performer.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"
 #include "tools/view_path.h"

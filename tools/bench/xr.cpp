@@ -7,7 +7,7 @@
 #include "base/platform.h"
 #include "base/seconds.h"
 #include "editor/open_file.h"
-#include "render/stage_renderer.h"
+#include "render/clips/stage_renderer.h"
 #include "tools/bench/measure.h"
 #include "tools/options.h"
 #include "tools/report.h"

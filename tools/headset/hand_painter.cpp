@@ -8,7 +8,7 @@
 #include "edit/paint_layers.h"
 #include "gpu/device.h"
 #include "media/colour.h"
-#include "render/trace.h"
+#include "render/volume/trace.h"
 
 namespace neuvv::headset {
 

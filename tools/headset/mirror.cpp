@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "render/raster.h"
-#include "render/stage_renderer.h"
+#include "render/clips/stage_renderer.h"
+#include "render/set/raster.h"
 #include "shared/mirror.h"
 #include "spirv/eye.vert.h"
 #include "spirv/mirror.frag.h"

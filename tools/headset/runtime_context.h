@@ -6,9 +6,9 @@
 #include <map>
 #include <memory>
 
-#include "render/clip_preload.h"
-#include "render/stage_pick.h"
-#include "render/stage_renderer.h"
+#include "render/clips/clip_preload.h"
+#include "render/clips/stage_pick.h"
+#include "render/clips/stage_renderer.h"
 #include "tools/headset/program.h"
 #include "xr/runtime.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "editor/clock.h"
-#include "render/resolve.h"
+#include "render/rays/resolve.h"
 #include "tools/viewer/tools/navigation.h"
 
 namespace neuvv::viewer {

@@ -13,7 +13,7 @@
 #include "base/workers.h"
 #include "motion/model_motion.h"
 #include "motion/skeleton_file.h"
-#include "render/raster.h"
+#include "render/set/raster.h"
 #include "stage/pose.h"
 #include "training/capture/backdrop.h"
 #include "training/capture/capture_files.h"

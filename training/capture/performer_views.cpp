@@ -11,8 +11,8 @@
 #include "base/output_path.h"
 #include "base/workers.h"
 #include "media/image.h"
-#include "render/field.h"
-#include "render/frame.h"
+#include "render/frame/frame.h"
+#include "render/volume/field.h"
 #include "training/capture/capture_files.h"
 #include "voctree/occupied_box.h"
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <set>
 
-#include "render/frame.h"
-#include "render/shown_segments.h"
+#include "render/clips/shown_segments.h"
+#include "render/frame/frame.h"
 #include "training/data/layouts/camera_names.h"
 #include "voctree/clip.h"
 

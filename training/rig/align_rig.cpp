@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "training/evaluation/evaluate.h"
 #include "training/rig/pose_solver.h"
 #include "voctree/clip.h"

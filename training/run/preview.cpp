@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "training/evaluation/evaluate.h"
 
 namespace neuvv::training {

@@ -2,7 +2,7 @@
 // reference for the speed and the correctness of the slice's adjoints.
 #pragma once
 
-#include "render/trace.h"
+#include "render/volume/trace.h"
 #include "training/step/loss.h"
 #include "training/step/trace_adjoint.h"
 

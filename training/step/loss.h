@@ -1,7 +1,7 @@
 // The loss of a batch of traced tiles, and its derivative by the colour and alpha of every ray.
 #pragma once
 
-#include "render/trace.h"
+#include "render/volume/trace.h"
 #include "shared/training.h"
 #include "training/step/camera_colour.h"
 

@@ -1,7 +1,7 @@
 // The adjoint of trace: takes gradients from rays to the σ and SH of the slots that they crossed.
 #pragma once
 
-#include "render/trace.h"
+#include "render/volume/trace.h"
 #include "shared/training.h"
 #include "training/step/loss.h"
 

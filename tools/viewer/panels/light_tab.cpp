@@ -5,7 +5,7 @@
 
 #include "edit/light_values.h"
 #include "media/colour.h"
-#include "render/light_status.h"
+#include "render/clips/light_status.h"
 #include "tools/ui/icons.h"
 #include "tools/ui/theme.h"
 #include "tools/viewer/panels/panels.h"

@@ -9,7 +9,7 @@
 #include "editor/paint_task.h"
 #include "editor/pointer.h"
 #include "media/colour.h"
-#include "render/trace.h"
+#include "render/volume/trace.h"
 #include "tools/ui/theme.h"
 #include "tools/viewer/context.h"
 #include "tools/viewer/panels/fields.h"

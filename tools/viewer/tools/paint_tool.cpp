@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "editor/paint_task.h"
 #include "editor/pointer.h"
-#include "render/trace.h"
+#include "render/volume/trace.h"
 #include "tools/ui/icons.h"
 #include "tools/viewer/context.h"
 #include "tools/viewer/tools/overlay.h"

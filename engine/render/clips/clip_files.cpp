@@ -1,0 +1,275 @@
+#include "render/clips/clip_files.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "base/error.h"
+#include "base/seconds.h"
+#include "base/trace_file.h"
+#include "voctree/clip.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::render {
+
+Field upload_segment(const gpu::Device& device, const voctree::ClipSegment& segment, const voctree::VOctree& tree) {
+    if (!segment.stream) return upload_far_levels(device, tree);
+    const double begin_s = seconds_now();
+    Field field = upload_field(device, tree, WeightPrecision::kHalf);
+    segment.stream->learn_step(stream::FrameStep::kUpload, seconds_now() - begin_s);
+    return field;
+}
+
+namespace {
+
+// Of a stream, which cannot be painted, no hash is computed.
+voctree::PaintedField painted_field_of(const voctree::ClipSegment& segment, const voctree::VOctree& tree) {
+    return segment.stream ? voctree::PaintedField{} : voctree::painted_field(tree);
+}
+
+}  // namespace
+
+std::shared_ptr<const voctree::SolidLeaves> ClipFiles::solid_leaves_of(const voctree::VOctree& tree) const {
+    return solid_ == SolidParts::kYes ? std::make_shared<const voctree::SolidLeaves>(tree) : nullptr;
+}
+
+ClipFiles::~ClipFiles() {
+    {
+        const std::lock_guard lock(mutex_);
+        stop_ = true;
+        for (const auto& [file, stream] : being_read_)
+            if (stream) stream->cancel();
+    }
+    changed_.notify_all();
+    for (std::thread& thread : threads_) thread.join();
+}
+
+std::shared_ptr<const LoadedClip> ClipFiles::find_locked(const std::filesystem::path& path,
+                                                         const FileStamp& stamp) const {
+    for (const auto& one : known_)
+        if (const auto clip = one.lock(); clip && clip->path == path && clip->stamp == stamp) return clip;
+    return nullptr;
+}
+
+std::shared_ptr<const LoadedClip> ClipFiles::find(const voctree::ClipSegment& segment) {
+    const FileStamp stamp = stamp_of(segment);
+    const std::lock_guard lock(mutex_);
+    return find_locked(segment.file, stamp);
+}
+
+// A file is read by one thread at a time; others wait, and then find it. Returns it where it is known; else the caller
+// reads it now, and then calls end_reading().
+std::shared_ptr<const LoadedClip> ClipFiles::begin_reading(const voctree::ClipSegment& segment,
+                                                           const FileStamp& stamp) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !being_read_.contains(segment.file); });
+    if (auto known = find_locked(segment.file, stamp)) return known;
+    being_read_.emplace(segment.file, segment.stream);
+    return nullptr;
+}
+
+// `whole` is what was read; null where it could not be, or is only a part.
+void ClipFiles::end_reading(const voctree::ClipSegment& segment, const std::shared_ptr<const LoadedClip>& whole) {
+    {
+        const std::lock_guard lock(mutex_);
+        being_read_.erase(segment.file);
+        std::erase_if(known_, [](const auto& one) { return one.expired(); });
+        if (whole) known_.push_back(whole);
+    }
+    changed_.notify_all();
+}
+
+std::shared_ptr<const LoadedClip> ClipFiles::read_once(const voctree::ClipSegment& segment) {
+    const FileStamp stamp = stamp_of(segment);
+    if (auto known = begin_reading(segment, stamp)) return known;
+    try {
+        const TraceSpan span("read a segment of frame", segment.first);
+        const voctree::VOctree tree = voctree::read_shown_segment(segment);
+        auto clip =
+            std::make_shared<const LoadedClip>(LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree),
+                                                          painted_field_of(segment, tree), solid_leaves_of(tree)});
+        end_reading(segment, clip);
+        return clip;
+    } catch (...) {
+        end_reading(segment, nullptr);
+        throw;
+    }
+}
+
+// What is being read holds memory for the copy to the device, too, which then is free again. Frames that come from a
+// server may take longer, and hold none while they do. Returns whether there was something to wait for.
+bool ClipFiles::wait_for_others() {
+    std::unique_lock lock(mutex_);
+    std::vector<std::filesystem::path> others;
+    for (const auto& [file, stream] : being_read_)
+        if (!stream || !stream::is_address(stream->path())) others.push_back(file);
+    changed_.wait_for(lock, std::chrono::seconds(1), [&] {
+        return std::ranges::none_of(others, [&](const auto& file) { return being_read_.contains(file); });
+    });
+    return !others.empty();
+}
+
+std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& segment) {
+    try {
+        return read_once(segment);
+    } catch (const gpu::VulkanError& error) {
+        if (!error.out_of_memory() || !wait_for_others()) throw;
+    }
+    return read_once(segment);
+}
+
+ClipFiles::Paints ClipFiles::read_paints(const voctree::ClipSegment& segment, const LoadedClip& clip,
+                                         const std::vector<LayerFolders>& layers) {
+    Paints paints;
+    for (const LayerFolders& one : layers) paints.push_back(read_paint(segment, clip, one));
+    return paints;
+}
+
+std::shared_ptr<const SegmentPaint> ClipFiles::read_paint(const voctree::ClipSegment& segment, const LoadedClip& clip,
+                                                          const LayerFolders& of_clip) {
+    const LayerFolders layers = of_segment(of_clip, segment);
+    const std::vector<FileStamp> stamps = stamps_of(layers, segment);
+    {
+        const std::lock_guard lock(mutex_);
+        for (const KnownPaint& known : known_paints_)
+            if (const auto paint = known.paint.lock(); paint && known.segment == clip.path &&
+                                                       known.stamp == clip.stamp && paint->layers == layers &&
+                                                       paint->stamps == stamps)
+                return paint;
+    }
+    SegmentPaint read{layers, stamps, nullptr, ""};
+    try {
+        read.paint = load_segment_paint(device_, layers, segment, clip.painted);
+    } catch (const InputError& problem) {
+        read.problem = problem.what();
+    }
+    auto paint = std::make_shared<const SegmentPaint>(std::move(read));
+    const std::lock_guard lock(mutex_);
+    std::erase_if(known_paints_, [](const KnownPaint& one) { return one.paint.expired(); });
+    known_paints_.push_back({clip.path, clip.stamp, paint});
+    return paint;
+}
+
+void ClipFiles::read_ahead(std::vector<Wanted> wanted) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (wanted_.empty() && wanted.empty()) return;
+        wanted_.assign(wanted.begin(), wanted.end());
+        if (threads_.empty())
+            for (uint32_t i = 0; i <= stream::frames_at_once(); i++) threads_.emplace_back([this, i] { run(i > 0); });
+    }
+    changed_.notify_all();
+}
+
+std::vector<ClipFiles::Result> ClipFiles::take_results() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(results_, {});
+}
+
+// Whether there is one that nobody has taken yet.
+bool ClipFiles::has_result(const voctree::ClipSegment& segment) {
+    const std::lock_guard lock(mutex_);
+    return std::ranges::any_of(results_, [&](const Result& one) { return one.file == segment.file && one.clip; });
+}
+
+void ClipFiles::add_result(Result result) {
+    const std::lock_guard lock(mutex_);
+    results_.push_back(std::move(result));
+}
+
+// Nothing where the file has no coarse tree, or cannot be read: reading the whole tree says what is wrong.
+void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
+    if (segment.stream) return;
+    const FileStamp stamp = stamp_of(segment);
+    try {
+        const auto tree = voctree::read_nvv_coarse(segment.file);
+        if (!tree || tree->frames != segment.frames_of_file()) return;
+        add_result({segment.file,
+                    stamp,
+                    std::make_shared<const LoadedClip>(LoadedClip{segment.file,
+                                                                  stamp,
+                                                                  upload_field(device_, *tree, WeightPrecision::kHalf),
+                                                                  {},
+                                                                  solid_leaves_of(*tree)}),
+                    "",
+                    true,
+                    {}});
+    } catch (const InputError&) {
+    }
+}
+
+// Returns false, and does nothing, where all of the frame comes in time, or is there.
+bool ClipFiles::read_in_time(const voctree::ClipSegment& segment) {
+    const FileStamp stamp = stamp_of(segment);
+    const stream::Part last = segment.stream->part_in_time(segment.first);
+    if (last == stream::kShFine || begin_reading(segment, stamp)) return false;
+    if (has_result(segment)) {  // it was still wanted when another thread had just read it
+        end_reading(segment, nullptr);
+        return true;
+    }
+    try {
+        const TraceSpan span("read a part of frame", segment.first);
+        const voctree::VOctree tree = voctree::read_shown_segment(segment, last);
+        auto clip = std::make_shared<const LoadedClip>(
+            LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree), {}, solid_leaves_of(tree)});
+        add_result({segment.file, stamp, std::move(clip), "", true, {}});
+    } catch (...) {
+        end_reading(segment, nullptr);
+        throw;
+    }
+    end_reading(segment, nullptr);
+    return true;
+}
+
+void ClipFiles::read_one_ahead(const Wanted& wanted) {
+    const FileStamp stamp = stamp_of(wanted.segment);
+    try {
+        if (wanted.in_time && wanted.segment.stream && read_in_time(wanted.segment)) return;
+        if (wanted.is_urgent && !find(wanted.segment)) read_coarse(wanted.segment);
+        const std::shared_ptr<const LoadedClip> clip = read_once(wanted.segment);
+        add_result({wanted.segment.file, stamp, clip, "", false, read_paints(wanted.segment, *clip, wanted.layers)});
+    } catch (const stream::ServerProblem& problem) {
+        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}, true});
+        pause();
+    } catch (const InputError& problem) {
+        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}});
+    } catch (const std::exception& problem) {  // no memory: there may be some later
+        const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&problem);
+        const bool lacks_memory = vulkan && vulkan->out_of_memory();
+        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}, true, lacks_memory});
+        pause();
+    }
+}
+
+// Before what failed is tried again.
+void ClipFiles::pause() {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::seconds(1), [this] { return stop_; });
+}
+
+std::deque<ClipFiles::Wanted>::iterator ClipFiles::next_locked(bool streams) {
+    const auto is_taken = [&](const voctree::ClipSegment& segment) {
+        return streams ? segment.stream != nullptr : !segment.stream || !stream::is_address(segment.stream->path());
+    };
+    return std::find_if(wanted_.begin(), wanted_.end(), [&](const Wanted& one) {
+        return !being_read_.contains(one.segment.file) && is_taken(one.segment);
+    });
+}
+
+void ClipFiles::run(bool streams) {
+    name_trace_thread(streams ? "reads streams" : "reads files");
+    for (;;) {
+        Wanted next;
+        {
+            std::unique_lock lock(mutex_);
+            changed_.wait(lock, [&] { return stop_ || next_locked(streams) != wanted_.end(); });
+            if (stop_) return;
+            const auto chosen = next_locked(streams);
+            next = std::move(*chosen);
+            wanted_.erase(chosen);
+        }
+        read_one_ahead(next);
+    }
+}
+
+}  // namespace neuvv::render

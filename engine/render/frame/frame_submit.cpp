@@ -1,0 +1,121 @@
+// FrameRenderer: submits images and waits for them. What had no room in one has it in a later one.
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "base/trace_file.h"
+#include "render/frame/frame.h"
+
+namespace neuvv::render {
+
+// Whether the image of this slot, which must be finished, needed more room on the device than there was.
+bool FrameRenderer::overflowed(uint32_t slot) const {
+    return (segments_ && segments_->overflowed(slot)) ||
+           std::ranges::any_of(performers_, [slot](const auto& one) { return one && one->overflowed(slot); });
+}
+
+// Makes more room for what had too little in finished images. No image may be under way.
+void FrameRenderer::enlarge() {
+    const auto in_any = [](const auto& what) {
+        for (uint32_t slot = 0; slot < kImagesUnderWay; slot++)
+            if (what.overflowed(slot)) return true;
+        return false;
+    };
+    try {
+        for (const auto& performer : performers_)
+            if (performer && in_any(*performer)) performer->enlarge_slices();
+        if (segments_ && in_any(*segments_)) {
+            for (const auto& performer : performers_)
+                if (performer) performer->forget_segments();
+            segments_->enlarge();
+        }
+    } catch (const gpu::VulkanError& error) {
+        segments_.reset();
+        drop_slices_or_rethrow(error);
+    }
+}
+
+void FrameRenderer::submit_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& given,
+                              const Then& then) {
+    check_settings(cameras, given);
+    if (device_.used_debug_buffer()) finish();  // the host reads and empties it when an image is finished
+    slot_ = (slot_ + 1) % kImagesUnderWay;
+    if (!finish(slot_)) {
+        finish();
+        enlarge();
+    }
+    const TraceSpan span("record a frame");
+    const FrameSettings settings = begin_with_memory_left(cameras, given);
+    if (segments_) segments_->begin_frame(slot_);
+    commands().begin();
+    record_frame(settings);
+    if (to == Destination::kHost) record_readback();
+    if (then) then(commands(), image_);
+    commands().submit();
+    under_way_[slot_] = true;
+}
+
+void FrameRenderer::wait_for_device() {
+    finish_picks();
+    for (gpu::Commands& commands : commands_) commands.wait();
+}
+
+// Of the slot's image, which is finished. The timestamps of software devices leave compute passes out where a
+// submission also draws.
+void FrameRenderer::note_times(uint32_t slot) {
+    const gpu::Commands& commands = commands_[slot];
+    milliseconds_ = commands.milliseconds();
+    device_milliseconds_ = device_.summary().kind == "cpu" ? milliseconds_ : commands.device_milliseconds();
+}
+
+// Waits for the image of the slot. Returns false where it lacks parts: finish() must be called.
+bool FrameRenderer::finish(uint32_t slot) {
+    commands_[slot].wait();
+    if (!std::exchange(under_way_[slot], false)) return true;
+    note_times(slot);
+    return !overflowed(slot);
+}
+
+bool FrameRenderer::finish() {
+    bool whole = true;
+    for (uint32_t i = 1; i <= kImagesUnderWay; i++)  // the oldest first
+        whole &= finish((slot_ + i) % kImagesUnderWay);
+    finish_picks();
+    if (!whole) enlarge();
+    return whole;
+}
+
+void FrameRenderer::submit(std::span<const stage::Camera> cameras, const FrameSettings& settings, const Then& then) {
+    submit_to(Destination::kDevice, cameras, settings, then);
+}
+
+void FrameRenderer::draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings,
+                            const Then& then) {
+    do submit_to(to, cameras, settings, then);
+    while (!finish());
+}
+
+const gpu::Buffer& FrameRenderer::draw(std::span<const stage::Camera> cameras, const FrameSettings& settings,
+                                       const Then& then) {
+    draw_to(Destination::kDevice, cameras, settings, then);
+    return image_;
+}
+
+std::vector<media::Image> FrameRenderer::render_views(std::span<const stage::Camera> cameras,
+                                                      const FrameSettings& settings) {
+    draw_to(Destination::kHost, cameras, settings, {});
+    std::vector<media::Image> images;
+    const uint8_t* from = readback_.as<uint8_t>();
+    for (size_t view = 0; view < cameras.size(); view++) {
+        media::Image& image = images.emplace_back(settings.width, settings.height);
+        std::memcpy(image.rgba.data(), from, image.rgba.size());
+        from += image.rgba.size();
+    }
+    return images;
+}
+
+media::Image FrameRenderer::render(const stage::Camera& camera, const FrameSettings& settings) {
+    return std::move(render_views({&camera, 1}, settings)[0]);
+}
+
+}  // namespace neuvv::render
