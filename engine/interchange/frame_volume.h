@@ -14,7 +14,7 @@ struct VolumeLeaf {
     uint64_t cell = 0;             // Morton code of its first cell at the volume's depth
     uint32_t depth = 0;            // octree depth
     float sigma = 0;               // 1/m
-    voctree::LeafColours colours;  // sigmoid(Σ k_lm Y_lm(d)) is linear light (shaders/sh.glsl has Y_lm)
+    voctree::LeafColours colours;  // sigmoid(Σ k_lm Y_lm(d)) is linear light (shaders/slice/sh.glsl has Y_lm)
     float shown = 0;               // how much of images it makes, m²: its part of the visible area
 };
 

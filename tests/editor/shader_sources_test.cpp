@@ -40,10 +40,10 @@ std::vector<uint32_t> words_of(const uint32_t (&words)[n]) {
 TEST_F(Shaders, AreCompiledAsTheBuildDoes) {
     editor::ShaderSources sources(folder.path);
     EXPECT_TRUE(sources.compile_changes().compiled.empty());
-    touch("resolve.comp");
+    touch("rays/resolve.comp");
     const editor::ShaderSources::Change change = sources.compile_changes();
     EXPECT_EQ(change.problem, "");
-    EXPECT_EQ(change.compiled, std::vector<std::string>{"resolve.comp"});
+    EXPECT_EQ(change.compiled, std::vector<std::string>{"rays/resolve.comp"});
     ASSERT_EQ(sources.replacements().size(), 2u);
     EXPECT_EQ(sources.replacements().at(words_of(resolve_comp)), words_of(resolve_comp));
     EXPECT_EQ(sources.replacements().at(words_of(resolve_comp_storage)), words_of(resolve_comp_storage));
@@ -52,16 +52,16 @@ TEST_F(Shaders, AreCompiledAsTheBuildDoes) {
 
 TEST_F(Shaders, AreCompiledWhenWhatTheyIncludeChanges) {
     editor::ShaderSources sources(folder.path);
-    add("show.glsl", "const float kNobodyKnows = 1.0;\n");
+    add("rays/show.glsl", "const float kNobodyKnows = 1.0;\n");
     std::vector<std::string> compiled = sources.compile_changes().compiled;
     std::sort(compiled.begin(), compiled.end());
-    EXPECT_EQ(compiled, (std::vector<std::string>{"resolve.comp", "upscale.comp"}));
+    EXPECT_EQ(compiled, (std::vector<std::string>{"rays/resolve.comp", "rays/upscale.comp"}));
 }
 
 TEST_F(Shaders, ThatDoNotCompileAreNamedAndTheLastOnesStay) {
     editor::ShaderSources sources(folder.path);
-    const auto whole = std::filesystem::file_size(folder.path / "show.glsl");
-    add("show.glsl", "float broken() { return nowhere; }\n");
+    const auto whole = std::filesystem::file_size(folder.path / "rays/show.glsl");
+    add("rays/show.glsl", "float broken() { return nowhere; }\n");
     editor::ShaderSources::Change change = sources.compile_changes();
     EXPECT_TRUE(change.compiled.empty());
     EXPECT_NE(change.problem.find("'nowhere' : undeclared identifier"), std::string::npos) << change.problem;
@@ -69,8 +69,8 @@ TEST_F(Shaders, ThatDoNotCompileAreNamedAndTheLastOnesStay) {
     EXPECT_EQ(change.problem.find('\n'), std::string::npos);
     EXPECT_TRUE(sources.replacements().empty());
 
-    std::filesystem::resize_file(folder.path / "show.glsl", whole);
-    touch("show.glsl");
+    std::filesystem::resize_file(folder.path / "rays/show.glsl", whole);
+    touch("rays/show.glsl");
     change = sources.compile_changes();
     EXPECT_EQ(change.problem, "");
     EXPECT_EQ(change.compiled.size(), 2u);
@@ -79,7 +79,7 @@ TEST_F(Shaders, ThatDoNotCompileAreNamedAndTheLastOnesStay) {
 
 TEST_F(Shaders, MayMakeTheCompilerWarn) {
     editor::ShaderSources sources(folder.path);
-    add("resolve.comp", "#extension GL_NV_nobody_has_it : enable\n");
+    add("rays/resolve.comp", "#extension GL_NV_nobody_has_it : enable\n");
     const editor::ShaderSources::Change change = sources.compile_changes();
     EXPECT_EQ(change.problem, "");
     EXPECT_EQ(sources.replacements().at(words_of(resolve_comp)), words_of(resolve_comp)) << "SPIR-V, and nothing said";
@@ -87,7 +87,7 @@ TEST_F(Shaders, MayMakeTheCompilerWarn) {
 
 TEST_F(Shaders, WhatCppHasTooIsBuiltAnew) {
     editor::ShaderSources sources(folder.path);
-    for (const char* changed : {"shared/trace.h", "resolve.comp"}) {  // then none of the shaders is compiled
+    for (const char* changed : {"shared/trace.h", "rays/resolve.comp"}) {  // then none of the shaders is compiled
         touch(changed);
         const editor::ShaderSources::Change change = sources.compile_changes();
         EXPECT_TRUE(change.compiled.empty()) << changed;
@@ -96,8 +96,8 @@ TEST_F(Shaders, WhatCppHasTooIsBuiltAnew) {
 }
 
 TEST_F(Shaders, AFolderWithoutThemIsRefused) {
-    std::filesystem::remove(folder.path / "merge.comp");
-    expect_input_error([&] { editor::ShaderSources{folder.path}; }, {"merge.comp", "is not there"});
+    std::filesystem::remove(folder.path / "trace/merge.comp");
+    expect_input_error([&] { editor::ShaderSources{folder.path}; }, {"trace/merge.comp", "is not there"});
 }
 
 }  // namespace

@@ -8,8 +8,8 @@ layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(binding = kHhProbePoints, std430) readonly buffer Points { vec4 points[]; };
 layout(binding = kHhProbeOut, std430) writeonly buffer Out { HhProbe results[]; };
 layout(push_constant) uniform Push { uint count; };
-#include "hh.glsl"
-#include "sh.glsl"
+#include "slice/hh.glsl"
+#include "slice/sh.glsl"
 
 void main() {
     const uint i = gl_GlobalInvocationID.x;

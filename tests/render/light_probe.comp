@@ -11,8 +11,8 @@ layout(binding = kProbePerformerShadows) uniform textureBuffer performer_shadows
 layout(binding = kProbeOut, rgba32f) writeonly uniform imageBuffer results;
 layout(push_constant) uniform Push { LightProbePush push; };
 
-#include "lights.glsl"
-#include "shadow.glsl"
+#include "set/lights.glsl"
+#include "set/shadow.glsl"
 
 void main() {
     const uint index = gl_GlobalInvocationID.x;

@@ -261,7 +261,7 @@ TEST_F(Watching, WhatCannotBeOpenedIsSaid) {
 }
 
 TEST_F(Watching, ShadersThatChangeAreSeen) {
-    const std::filesystem::path shaders = folder.path / "shaders", changed = shaders / "show.glsl";
+    const std::filesystem::path shaders = folder.path / "shaders", changed = shaders / "rays/show.glsl";
     std::filesystem::copy(NEUVV_SHADERS, shaders, std::filesystem::copy_options::recursive);
     const std::string text = read_text(changed), stored = "packUnorm4x8(colour)";
     const size_t at = text.find(stored);

@@ -36,7 +36,7 @@ uint64_t bits_of(uint32_t lo, uint32_t hi) {
     return uint64_t{hi} << 32 | lo;
 }
 
-// The walk of shaders/march.glsl, for one ray.
+// The walk of shaders/trace/march.glsl, for one ray.
 class Marcher {
   public:
     Marcher(const HostSlice& slice, glm::vec3 origin_world, glm::vec3 direction_world, glm::vec2 range)

@@ -25,8 +25,8 @@ READ_ARRAY(vec4, kTraceTarget, target);
 layout(push_constant) uniform Push { TraceAdjointPush push; };
 #define NEUVV_GRADIENTS_BINDING kTraceGradients
 #include "gradient_add.glsl"
-#include "direct_sample.glsl"
-#include "every_tile.glsl"
+#include "trace/direct_sample.glsl"
+#include "rays/every_tile.glsl"
 #include "ray_adjoint.glsl"
 
 // The index of the first of the four gradients that the leaf has in a plane.

@@ -4,8 +4,8 @@
 // not only the blend but the colour c_i of each sample with the pixel's own colour c*:  λ Σ_i w_i α* |√c_i − √c*|²
 // (roots are close to encoded values). The blending weights w_i count as constants there, so that the point loss
 // changes colours and never densities.
-#include "composite.glsl"
-#include "ray.glsl"
+#include "trace/composite.glsl"
+#include "rays/ray.glsl"
 
 const float kMaxSensitivityDepth = 8.0;  // the largest optical depth that the opacity sensitivity sees
 

@@ -5,7 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"
 #include "shared/training.h"
-#include "temporal_basis.glsl"
+#include "slice/temporal_basis.glsl"
 
 layout(local_size_x = 2 * kMaxBases) in;
 layout(binding = kRowsAdjointPartials, std430) readonly buffer Partials { float partials[]; };

@@ -34,7 +34,7 @@ layout(push_constant) uniform Push { SliceAdjointPush push; };
 vec4 fetch_weights(uint leaf, uint plane, uint leaf_count) { return LOAD(weights, int(plane * leaf_count + leaf)); }
 #define NEUVV_FETCH_WEIGHTS
 #include "adam.glsl"
-#include "slice_leaf.glsl"
+#include "slice/slice_leaf.glsl"
 
 void store_coefficient(uint slot, uint j, vec3 k) {
     STORE(slice_sh, int(slot * sh_count(kHhDegree) + j), vec4(k, 0.0));

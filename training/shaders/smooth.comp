@@ -25,7 +25,7 @@ READ_ARRAY(uint, kSmoothTouched, touched_slots);
 layout(binding = kSmoothCount, std430) readonly buffer Count { LiveCount count; };
 layout(binding = kSmoothGradients, std430) buffer Gradients { float gradients[]; };
 layout(push_constant) uniform Push { SmoothPush push; };
-#include "slice_sample.glsl"
+#include "trace/slice_sample.glsl"
 
 const float kEpsilon = 0.1;  // ε; differences of α below it count by their squares
 

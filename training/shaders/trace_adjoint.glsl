@@ -23,8 +23,8 @@ layout(binding = kTraceMaxWeight, std430) buffer MaxWeight { uint max_weight[]; 
 layout(push_constant) uniform Push { TraceAdjointPush push; };
 #define NEUVV_GRADIENTS_BINDING kTraceGradients
 #include "gradient_add.glsl"
-#include "slice_sample.glsl"
-#include "every_tile.glsl"
+#include "trace/slice_sample.glsl"
+#include "rays/every_tile.glsl"
 #include "ray_adjoint.glsl"
 
 // Adds the derivatives of one sample to its slot.

@@ -22,7 +22,7 @@ layout(binding = kTraceTileList) uniform utextureBuffer tile_list;
 layout(binding = kTraceRadiance, rgba32f) writeonly uniform imageBuffer radiance;
 layout(binding = kTraceDepth, r32f) writeonly uniform imageBuffer depth;
 layout(push_constant) uniform Push { LeafRasterPush push; };
-#include "composite.glsl"
+#include "trace/composite.glsl"
 #include "leaf_pixels.glsl"
 
 // The tile of this workgroup; kNoTile beyond the list, where there are no rays.
@@ -34,7 +34,7 @@ uint first_camera() { return 0u; }
 
 float set_end(uint view, vec2 at) { return 1e30; }
 
-#include "ray.glsl"
+#include "rays/ray.glsl"
 
 shared vec4 leaf_box[kTilePixels];    // low corner and edge, in finest cells
 shared vec4 leaf_light[kTilePixels];  // colour, σ (1/m)

@@ -1,7 +1,7 @@
 // The pixels of an image whose rays may meet a leaf. The file that includes this one declares a LeafRasterPush `push`.
 #ifndef NEUVV_LEAF_PIXELS_GLSL
 #define NEUVV_LEAF_PIXELS_GLSL
-#include "box_pixels.glsl"
+#include "rays/box_pixels.glsl"
 #include "leaf_key.glsl"
 
 const float kSlack = 0.01;  // pixels, for rounding

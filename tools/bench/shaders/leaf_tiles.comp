@@ -13,7 +13,7 @@ layout(binding = kLeafTilesOut, std430) writeonly buffer TilePairs { uint tile_p
 layout(binding = kLeafTilesList, r32ui) writeonly uniform uimageBuffer list;
 layout(binding = kLeafTilesListed, std430) buffer Listed { LiveCount count; };
 layout(push_constant) uniform Push { LeafTilesPush push; };
-#include "append_tile.glsl"
+#include "rays/append_tile.glsl"
 #include "leaf_key.glsl"
 
 uint tile_at(uint pair) { return pair_tile(texelFetch(keys, int(pair)).xy); }

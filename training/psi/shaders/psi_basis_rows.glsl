@@ -3,7 +3,7 @@
 #ifndef NEUVV_PSI_BASIS_ROWS_GLSL
 #define NEUVV_PSI_BASIS_ROWS_GLSL
 
-#include "temporal_basis.glsl"
+#include "slice/temporal_basis.glsl"
 
 float row_share(uint row) { return share_of_row(row, push.frame, push.frames); }
 

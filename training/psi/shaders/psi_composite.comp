@@ -10,7 +10,7 @@ READ_ARRAY(vec4, kPsiPoints, points);
 READ_ARRAY(vec4, kPsiValues, values);
 WRITE_ARRAY(vec4, kPsiRadiance, radiance);
 layout(push_constant) uniform Push { PsiBlockPush push; };
-#include "composite.glsl"
+#include "trace/composite.glsl"
 
 void main() {
     const uint tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;

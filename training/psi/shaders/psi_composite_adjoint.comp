@@ -12,7 +12,7 @@ READ_ARRAY(vec4, kPsiRadiance, radiance);
 READ_ARRAY(vec4, kPsiRayAdjoints, ray_adjoints);
 WRITE_ARRAY(vec4, kPsiValueAdjoints, value_adjoints);
 layout(push_constant) uniform Push { PsiBlockPush push; };
-#include "composite.glsl"
+#include "trace/composite.glsl"
 
 void main() {
     const uint tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;

@@ -2,8 +2,8 @@
 // Y_lm(d)) (errata 7–9). The file that includes this one defines kHhDegree, act_of_sample and set_act_of_sample.
 #ifndef NEUVV_PSI_HEAD_GLSL
 #define NEUVV_PSI_HEAD_GLSL
-#include "hh.glsl"
-#include "sh.glsl"
+#include "slice/hh.glsl"
+#include "slice/sh.glsl"
 
 float head_gamma() { return kPi / (1.0 + exp(-act_of_sample(1u))); }
 

@@ -15,10 +15,10 @@ READ_ARRAY(vec4, kPsiValues, values);
 READ_ARRAY(vec4, kPsiRanges, ranges);
 WRITE_ARRAY(vec4, kPsiPoints, points);
 layout(push_constant) uniform Push { PsiRayPush push; };
-#include "composite.glsl"
+#include "trace/composite.glsl"
 #include "psi_random.glsl"
-#include "every_tile.glsl"
-#include "ray.glsl"
+#include "rays/every_tile.glsl"
+#include "rays/ray.glsl"
 
 const float kFloor = 0.2;  // share of the distribution that is spread evenly
 

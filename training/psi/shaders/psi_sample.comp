@@ -14,8 +14,8 @@ WRITE_ARRAY(vec4, kPsiDirections, directions);
 WRITE_ARRAY(vec4, kPsiRanges, ranges);
 layout(push_constant) uniform Push { PsiRayPush push; };
 #include "psi_random.glsl"
-#include "every_tile.glsl"
-#include "ray.glsl"
+#include "rays/every_tile.glsl"
+#include "rays/ray.glsl"
 
 // The distances at which the ray enters and leaves the box; 0 and 0 where it misses the box.
 vec2 box_range(Ray ray) {
