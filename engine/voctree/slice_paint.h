@@ -1,4 +1,5 @@
-// Paint over a slice on the host (errata 14): what shaders/slice/paint_density.comp and paint_colour.comp do on the device.
+// Paint over a slice on the host (errata 14): what shaders/slice/paint_density.comp and paint_colour.comp do on the
+// device.
 #pragma once
 
 #include <array>

@@ -15,8 +15,8 @@
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/temporary_folder.h"
-#include "tools/coach_drawing.h"
-#include "tools/motion_page.h"
+#include "tools/motion/coach_drawing.h"
+#include "tools/motion/motion_page.h"
 
 namespace neuvv::test {
 namespace {

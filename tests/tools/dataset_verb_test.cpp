@@ -7,9 +7,9 @@
 #include "support/rig_pixel.h"
 #include "support/sphere_capture.h"
 #include "tests/tools/run_neuvv.h"
+#include "tools/data/rig_drawing.h"
 #include "tools/image_drawing.h"
 #include "tools/report.h"
-#include "tools/rig_drawing.h"
 
 namespace neuvv {
 namespace {

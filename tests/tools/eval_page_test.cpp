@@ -1,5 +1,5 @@
 // The page that `neuvv eval --html` writes: whole, self-contained, and safe with hostile names.
-#include "tools/eval_page.h"
+#include "tools/eval/eval_page.h"
 
 #include <gtest/gtest.h>
 

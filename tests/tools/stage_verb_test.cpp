@@ -11,7 +11,7 @@
 #include "support/input_error.h"
 #include "tests/stage/stage_files.h"
 #include "tests/tools/run_neuvv.h"
-#include "tools/stage_verbs.h"
+#include "tools/stage/stage_verbs.h"
 #include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
 

@@ -14,7 +14,7 @@
 #include "tools/export/export_run.h"
 #include "tools/export/stage_kinds.h"
 #include "tools/say.h"
-#include "tools/stage_verbs.h"
+#include "tools/stage/stage_verbs.h"
 
 namespace neuvv::tools {
 

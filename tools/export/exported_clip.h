@@ -6,7 +6,7 @@
 #include <string>
 
 #include "interchange/frame_volume.h"
-#include "tools/published_scene.h"
+#include "tools/publish/published_scene.h"
 #include "voctree/clip.h"
 #include "voctree/world_frame.h"
 

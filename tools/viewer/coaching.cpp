@@ -10,7 +10,7 @@
 
 #include "base/output_path.h"
 #include "motion/compare.h"
-#include "tools/motion_page.h"
+#include "tools/motion/motion_page.h"
 #include "tools/viewer/tools/overlay.h"
 
 namespace neuvv::viewer {

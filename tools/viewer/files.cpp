@@ -11,7 +11,7 @@
 #include "edit/paint_layers.h"
 #include "editor/open_file.h"
 #include "tools/viewer/context.h"
-#include "training/camera_path_file.h"
+#include "training/data/camera_path_file.h"
 #include "voctree/clip.h"
 #include "voctree/clip_index.h"
 

@@ -1,0 +1,310 @@
+// neuvv publish: writes a clip, or a performer of a stage with its paint, as a stream: small enough for a rate, or good
+// enough for a quality.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/output_path.h"
+#include "base/platform.h"
+#include "stream/nvs_writer.h"
+#include "tools/commands.h"
+#include "tools/compared_views.h"
+#include "tools/publish/published_scene.h"
+#include "tools/report.h"
+#include "tools/results.h"
+#include "tools/say.h"
+#include "voctree/clip.h"
+#include "voctree/clip_sound.h"
+#include "voctree/slice.h"
+#include "voctree/world_frame.h"
+
+namespace neuvv::tools {
+
+namespace {
+
+struct PublishOptions {
+    std::string scene, performer, output, size = "480x270";
+    double quality = 47, group_s = 0.5;
+    std::optional<double> rate_mbps;
+    uint32_t views = 6;
+    bool json = false;
+    std::optional<voctree::UpAxis> up;
+};
+
+// How coarsely the coefficients are rounded: 4 more double the steps. At kUsualSteps, images of held-out cameras lose
+// about 0.3 dB of 31.
+constexpr int kStepSizes = 33, kUsualSteps = 16;
+
+// Steps of the coefficients at kUsualSteps, by stream::Kind. Steps in other proportions lost more for the bytes that
+// they save, or the same.
+stream::Steps steps_of(int strength) {
+    constexpr std::array<double, stream::kKinds> kSteps = {0.22, 0.066, 0.145, 0.145, 0.085, 0.185};
+    const double scale = std::exp2((strength - kUsualSteps) / 4.0);
+    stream::Steps steps{};
+    for (size_t i = 0; i < steps.size(); i++)
+        steps[i] = static_cast<uint16_t>(std::clamp(std::lround(kSteps[i] * scale * stream::kUnit), 1l, 65535l));
+    return steps;
+}
+
+// The largest strength for which `keeps` holds, which must hold for all below it; nothing where it holds for none.
+std::optional<int> largest_strength(const std::function<bool(int)>& keeps) {
+    std::optional<int> best;
+    for (int low = 0, high = kStepSizes; low < high;) {
+        const int strength = (low + high) / 2;
+        const bool kept = keeps(strength);
+        if (kept) best = strength;
+        (kept ? low : high) = kept ? strength + 1 : strength;
+    }
+    return best;
+}
+
+// Where frames repeat less than this share of their leaves, every fourth is a key frame. Such a key frame takes 4 %
+// more bytes where it would repeat a tenth, but players decode frames of several key frames at the same time, and jump
+// there sooner.
+constexpr double kLittleRepeated = 0.2;
+constexpr uint32_t kFramesBetweenKeys = 4;
+
+std::vector<stream::FrameSymbols> encode_group(const std::vector<stream::Slice>& slices, int strength) {
+    std::vector<stream::FrameSymbols> frames;
+    stream::Slice decoded, before;
+    uint32_t of_key = 0;  // frames since the last key frame, with that one
+    for (size_t i = 0; i < slices.size(); i++) {
+        before = std::move(decoded);
+        std::optional<stream::FrameBefore> frame_before;
+        if (i > 0) frame_before.emplace(stream::FrameBefore{slices[i - 1], before});
+        if (of_key >= kFramesBetweenKeys) frame_before->least_repeated = kLittleRepeated;
+        frames.push_back(stream::encode(slices[i], steps_of(strength), frame_before, decoded));
+        of_key = frames.back().is_key ? 1 : of_key + 1;
+    }
+    return frames;
+}
+
+struct Published {
+    uint64_t bytes = 0;
+    double psnr = 99;      // of the worst compared image, where a quality was asked for
+    double most_mbps = 0;  // of a group
+};
+
+class Publisher {
+  public:
+    Publisher(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common)
+        : options_(options),
+          scene_(scene),
+          progress_("publish", scene.index.frames()),
+          capture_(voctree::frame_for_stream(voctree::read_world_frame(scene.clip), scene.clip)) {
+        group_frames_ = std::clamp(static_cast<uint32_t>(std::lround(options.group_s * double{scene.index.fps})), 1u,
+                                   stream::kMaxGroupFrames);
+        if (!options.rate_mbps) device_.emplace(common.device);
+    }
+    Published publish();
+
+  private:
+    void publish_segment(const voctree::ClipSegment& segment, stream::Writer& writer);
+    int strength_for_quality(const voctree::VOctree& tree, std::span<const voctree::PaintStep> paint,
+                             const std::filesystem::path& file);
+    int strength_for_rate(const std::vector<stream::Slice>& slices) const;
+    void expect_to_go_on() const {
+        if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options_.output));
+    }
+    const PublishOptions& options_;
+    const PublishedScene& scene_;
+    Progress progress_;
+    uint32_t group_frames_ = 1;
+    stream::CaptureFrame capture_;
+    std::optional<gpu::Device> device_;
+    Published published_;
+};
+
+// Only frames that a view shows are encoded, each as a key frame.
+int Publisher::strength_for_quality(const voctree::VOctree& tree, std::span<const voctree::PaintStep> paint,
+                                    const std::filesystem::path& file) {
+    if (tree.leaf_count == 0) return kUsualSteps;
+    ComparedViews views(*device_, tree, parse_size(options_.size), options_.views);
+    views.round_frames();
+    const std::vector<media::Image> truth = views.render(tree, paint);
+    std::vector<stream::Slice> slices;
+    for (size_t i = 0; i < views.count(); i++)
+        slices.push_back(voctree::slice_of(tree, static_cast<uint32_t>(views.frame_of(i)), paint));
+    double last = 0, kept = 0;
+    const auto strength = largest_strength([&](int one) {
+        expect_to_go_on();
+        last = 99;
+        for (size_t i = 0; i < slices.size(); i++) {
+            stream::Slice decoded;
+            stream::encode(slices[i], steps_of(one), {}, decoded);
+            const media::Image image =
+                views.render_still(voctree::tree_of(decoded, tree.box_min, tree.box_size, tree.fps), i);
+            last = std::min(last, worst_psnr({truth[i]}, {image}));
+        }
+        if (last >= options_.quality) kept = last;
+        return last >= options_.quality;
+    });
+    if (!strength)
+        throw InputError(file.string(), "",
+                         fmt::format("the finest steps show {:.1f} dB, not {:.1f}", last, options_.quality),
+                         fmt::format("ask for --quality {:.0f}", std::floor(last)));
+    published_.psnr = std::min(published_.psnr, kept);
+    return *strength;
+}
+
+// The finest whose bytes fit into the rate, or else the coarsest.
+int Publisher::strength_for_rate(const std::vector<stream::Slice>& slices) const {
+    const double seconds = static_cast<double>(slices.size()) / double{scene_.index.fps};
+    const auto too_large = largest_strength([&](int strength) {
+        expect_to_go_on();
+        const uint64_t bytes =
+            stream::bytes_of(encode_group(slices, strength)).count() + stream::head_bytes(1, slices.size());
+        return 8e-6 * static_cast<double>(bytes) / seconds > *options_.rate_mbps;
+    });
+    return too_large ? std::min(*too_large + 1, kStepSizes - 1) : 0;
+}
+
+void Publisher::publish_segment(const voctree::ClipSegment& segment, stream::Writer& writer) {
+    const voctree::VOctree tree = voctree::read_segment(segment);
+    const SegmentLayers paint = read_segment_layers(scene_, segment, tree);
+    int strength = options_.rate_mbps ? 0 : strength_for_quality(tree, paint.steps, segment.file);
+    for (uint32_t first = 0; first < segment.frames; first += group_frames_) {
+        std::vector<stream::Slice> slices;
+        for (uint32_t i = first; i < std::min(first + group_frames_, segment.frames); i++) {
+            expect_to_go_on();
+            slices.push_back(voctree::slice_of(tree, i, paint.steps));
+        }
+        if (options_.rate_mbps) strength = strength_for_rate(slices);
+        stream::Group group;
+        group.format = {slices[0].depth, slices[0].degree, 0};
+        for (const stream::Slice& slice : slices)
+            group.format.most_leaves = std::max(group.format.most_leaves, static_cast<uint32_t>(slice.leaves.size()));
+        for (int axis = 0; axis < 3; axis++) {
+            group.box_min[static_cast<size_t>(axis)] = tree.box_min[axis];
+            group.box_size[static_cast<size_t>(axis)] = tree.box_size[axis];
+        }
+        if (group.format.most_leaves > stream::kMaxStreamLeaves)
+            throw InputError(segment.file.string(), fmt::format("frame {}", first), "has too many leaves for a stream",
+                             "train it with a smaller --resolution");
+        const uint64_t bytes = writer.add(group, encode_group(slices, strength));
+        published_.most_mbps =
+            std::max(published_.most_mbps,
+                     8e-6 * static_cast<double>(bytes) * double{scene_.index.fps} / static_cast<double>(slices.size()));
+        progress_.update(segment.first + first + slices.size());
+    }
+}
+
+Published Publisher::publish() {
+    catch_stop_signals();
+    uint32_t groups = 0;
+    for (const voctree::ClipSegment& segment : scene_.index.segments)
+        groups += (segment.frames + group_frames_ - 1) / group_frames_;
+    stream::Writer writer(options_.output, scene_.index.fps, scene_.index.frames(), groups, capture_);
+    for (const voctree::ClipSegment& segment : scene_.index.segments) publish_segment(segment, writer);
+    published_.bytes = writer.finish();
+    progress_.finish();
+    return published_;
+}
+
+// The sound that goes along with the clip; nothing where it has none, or where it is that of the output already.
+std::optional<std::filesystem::path> sound_to_copy(const std::filesystem::path& clip,
+                                                   const std::filesystem::path& output) {
+    const auto sound = voctree::sound_beside(clip);
+    std::error_code error;
+    if (!sound || std::filesystem::equivalent(*sound, voctree::sound_file(output), error)) return std::nullopt;
+    prepare_result("--output", voctree::sound_file(output));
+    return sound;
+}
+
+// As it is.
+void copy_sound(const std::optional<std::filesystem::path>& sound, const std::filesystem::path& output) {
+    if (!sound) return;
+    const std::filesystem::path to = voctree::sound_file(output);
+    const media::SoundFile file = voctree::sound_here(*sound);
+    const std::vector<uint8_t> bytes = file.bytes ? *file.bytes : read_file(file.path);
+    write_file_atomically(to, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
+}
+
+void run(const PublishOptions& options, const CommonOptions& common) {
+    if (std::filesystem::path(options.output).extension() != ".nvs")
+        throw InputError("--output", options.output, "does not end with .nvs", "name it so");
+    prepare_result("--output", options.output);
+    const PublishedScene scene = read_published_scene(options.scene, options.performer, options.up);
+    voctree::expect_no_stream(scene.clip);
+    const auto sound = sound_to_copy(scene.clip, options.output);
+    const Published published = Publisher(options, scene, common).publish();
+    copy_sound(sound, options.output);
+    const stream::Index index = stream::Reader(options.output).index();
+    const auto frames = static_cast<double>(index.frames.size());
+    const double bytes_per_frame = static_cast<double>(published.bytes) / frames;
+    const double mbps = 8e-6 * bytes_per_frame * double{index.fps};
+    if (options.json) {
+        nlohmann::ordered_json json = {
+            {"input", options.scene},        {"output", options.output},           {"bytes", published.bytes},
+            {"frames", index.frames.size()}, {"bytes_per_frame", bytes_per_frame}, {"mbps", mbps}};
+        if (!scene.layers.empty()) json["paint_layers"] = scene.layers.size();
+        if (!options.rate_mbps) json["psnr_db"] = published.psnr;
+        tell("{}", json_text(json));
+        return;
+    }
+    const std::string quality = options.rate_mbps ? "" : fmt::format("; the worst image has {:.1f} dB", published.psnr);
+    const std::string paint =
+        scene.layers.empty() ? "" : fmt::format("; visible layers of paint: {}", scene.layers.size());
+    tell("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}{}\n", options.output, size_text(published.bytes),
+         index.frames.size(), bytes_per_frame / 1000, mbps, quality, paint);
+    if (options.rate_mbps && published.most_mbps > *options.rate_mbps)
+        say("{}: up to {:.1f} Mbit/s, not {}, though rounded as coarsely as is possible\n", options.output,
+            published.most_mbps, *options.rate_mbps);
+}
+
+}  // namespace
+
+void add_publish(Command app, CommonOptions& common) {
+    Command verb = app.add_verb("publish", "Write a clip as a stream: a quarter of the bytes or less, to be played");
+    const auto options = std::make_shared<PublishOptions>();
+    verb.add_option("scene", options->scene,
+                    "The .nvv, in segments or not, the .npz of a PlenOctree, or a stage, .gltf or .glb")
+        .required();
+    verb.add_option("--performer", options->performer,
+                    "Of a stage: which, by its name or index; may be left out where there is one");
+    verb.add_option("-o,--output", options->output, "The .nvs to write").required();
+    add_up_option(verb, options->up);
+    Option rate = verb.add_option("--rate", options->rate_mbps, "Mbit/s, which every group of frames keeps to")
+                      .number_between(0.01, 1e5);
+    verb.add_option("--quality", options->quality,
+                    "In place of it, PSNR in dB that images keep at least, against the clip's own, painted")
+        .number_between(10, 60)
+        .excludes(rate)
+        .show_default();
+    verb.add_option("--group", options->group_s, "Seconds of frames that are played without any before them")
+        .number_between(0.01, 60)
+        .show_default();
+    verb.add_option("--views", options->views, "Images that are compared, over one orbit as the clip plays")
+        .in_range(1, 100)
+        .show_default();
+    verb.add_option("--size", options->size, "WIDTHxHEIGHT of them").show_default();
+    verb.add_flag("--json", options->json, "Print JSON: bytes, frames, bytes_per_frame, mbps, psnr_db, paint_layers");
+    verb.footer(
+        {"A stream has every frame as it is shown. It is played as the clip is, but it cannot be trained on or "
+         "painted,\nand between two frames it shows the nearer one. Segments that overlap do not fade into each other "
+         "there.\n--quality is measured on frames by themselves; that frames repeat what stays is not.\n"
+         "Of a stage, a performer's clip is written with the visible layers of its paint in it. Nothing else of the "
+         "stage\ngoes along: neither transform, time map, lights nor opacity, nor the performer's own sound; the "
+         "clip's sound does.\n",
+         kDeviceHelp, kExamplesHead,
+         "  neuvv publish work/performer.nvv -o work/performer.nvs\n"
+         "  neuvv publish work/performer.nvv -o work/phone.nvs --rate 10\n"
+         "  neuvv render work/performer.nvs -o work/turn.mp4\n"
+         "  neuvv info https://example.com/performer.nvs\n"
+         "  neuvv stage new work/show.gltf\n"
+         "  neuvv stage add work/show.gltf work/performer.nvv --name anna\n"
+         "  neuvv paint region work/show.gltf work/anna.nvpaint --node anna --box -1,0,-1,1,0.9,1 --hue 120\n"
+         "  neuvv publish work/show.gltf --performer anna -o work/anna.nvs"});
+    verb.callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv::tools
