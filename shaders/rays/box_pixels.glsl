@@ -11,8 +11,8 @@ void add_cut(inout vec4 bounds, vec3 a, vec3 b) {
     bounds = vec4(min(bounds.xy, cut), max(bounds.zw, cut));
 }
 
-// Bounds of a box, all of which lies at least `nearest` before the eye: relative to the pixel p of its middle, the box is
-// (xy − p z) / z, and numerator and z each have their bounds at corners. A little too large where z differs much.
+// Bounds of a box, all of which lies at least `nearest` before the eye: relative to the pixel p of its middle, the box
+// is (xy − p z) / z, and numerator and z each have their bounds at corners. A little too large where z differs much.
 vec4 whole_box_pixels(vec3 low, mat3 edges, float nearest) {
     const vec3 middle = low + 0.5 * (edges[0] + edges[1] + edges[2]);
     const vec2 p = middle.xy / middle.z;
@@ -32,7 +32,8 @@ vec4 box_pixels(vec3 low, mat3 edges) {
     const float nearest = low.z + min(edges[0].z, 0.0) + min(edges[1].z, 0.0) + min(edges[2].z, 0.0);
     if (nearest >= kNearest) return whole_box_pixels(low, edges, nearest);
     vec4 bounds = vec4(1e30, 1e30, -1e30, -1e30);
-    // Where all lanes have returned, lavapipe leaves this loop after one round; without the condition it runs all eight.
+    // Where all lanes have returned, lavapipe leaves this loop after one round; without the condition it runs all
+    // eight.
     for (uint i = nearest < kNearest ? 0u : 8u; i < 8u; i++) {
         const vec3 corner = low + edges * vec3(i & 1u, i >> 1u & 1u, i >> 2u);
         if (corner.z >= kNearest) {

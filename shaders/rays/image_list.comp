@@ -1,7 +1,7 @@
-// Image list: lists the tiles of the images that use rays of a tile that an instance may cover, and those that did so in
-// the last frame, so that only these are resolved.
-// Reads a word for each tile of rays that a tile of an image uses; reads and writes a word per tile of an image, and
-// writes one per listed tile. One thread per tile of all images; trivial work.
+// Image list: lists the tiles of the images that use rays of a tile that an instance may cover, and those that did so
+// in the last frame, so that only these are resolved. Reads a word for each tile of rays that a tile of an image uses;
+// reads and writes a word per tile of an image, and writes one per listed tile. One thread per tile of all images;
+// trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/image_list.h"
@@ -20,7 +20,9 @@ layout(push_constant) uniform Push { ImageListPush push; };
 uvec2 ray_tiles(uint view, uint axis, uint at, uint tiles) {
     const GridAxis grid = camera_axis(view, axis);
     const float pixel = float(push.samples * kTile * at), end = pixel + float(push.samples * kTile);
-    const ivec2 rays = ivec2(floor(ray_of_pixel(grid, pixel)) - push.radius, ceil(ray_of_pixel(grid, end)) - 1.0 + push.radius);
+    const float first = floor(ray_of_pixel(grid, pixel)) - push.radius;
+    const float last = ceil(ray_of_pixel(grid, end)) - 1.0 + push.radius;
+    const ivec2 rays = ivec2(first, last);
     return uvec2(clamp(rays / int(kTile), ivec2(0), ivec2(tiles - 1u)));
 }
 

@@ -23,7 +23,8 @@ layout(push_constant) uniform Push { InspectPush push; };
 uvec2 nearest_ray(uint view, vec2 position) {
     const int camera = int(kCameraTexels * view);
     const vec2 last = vec2(texelFetch(cameras, camera + 1).w, texelFetch(cameras, camera + 2).w) - 1.0;
-    const vec2 at = vec2(ray_of_pixel(camera_axis(view, 0u), position.x), ray_of_pixel(camera_axis(view, 1u), position.y));
+    const vec2 at = vec2(ray_of_pixel(camera_axis(view, 0u), position.x),
+                         ray_of_pixel(camera_axis(view, 1u), position.y));
     return uvec2(clamp(floor(at), vec2(0.0), last));
 }
 

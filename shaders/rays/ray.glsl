@@ -8,7 +8,7 @@
 // Functions that the includer defines.
 uint tile_group();                  // the index of this workgroup's tile
 vec2 tile_range(uint tile);         // the distances between which the tile's rays run, metres
-uint first_camera();                // the index of the first camera in the performer's space; 0: that space is the world
+uint first_camera();                // of the first camera in the performer's space; 0: the world is that space
 float set_end(uint view, vec2 at);  // metres along the camera's axis at which the set ends the ray through `at`
 
 struct Ray {
@@ -46,7 +46,8 @@ Ray tile_ray() {
     const vec2 size = vec2(texelFetch(cameras, first + 1).w, texelFetch(cameras, first + 2).w);
     const uint samples = uint(texelFetch(cameras, first + 3).w);
     const vec2 shifted = vec2(cell) + 0.5 + rook_shift(cell, samples) + unpackSnorm2x16(tile.w);
-    const vec2 at = vec2(pixel_of_ray(camera_axis(camera, 0u), shifted.x), pixel_of_ray(camera_axis(camera, 1u), shifted.y));
+    const vec2 at = vec2(pixel_of_ray(camera_axis(camera, 0u), shifted.x),
+                         pixel_of_ray(camera_axis(camera, 1u), shifted.y));
     const vec3 line = camera_line(camera, at);
     Ray ray;
     ray.in_tile = inner.y * kTile + inner.x;

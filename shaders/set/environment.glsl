@@ -8,7 +8,8 @@
 vec3 environment_at(vec3 dir, float roughness) {
     const float c = lights.environment.z, s = lights.environment.w;
     const vec3 turned = vec3(c * dir.x - s * dir.z, dir.y, s * dir.x + c * dir.z);
-    const vec2 uv = vec2(0.5 + atan(turned.x, -turned.z) / 6.28318530717959, acos(clamp(turned.y, -1.0, 1.0)) / 3.14159265358979);
+    const vec2 uv = vec2(0.5 + atan(turned.x, -turned.z) / 6.28318530717959,
+                         acos(clamp(turned.y, -1.0, 1.0)) / 3.14159265358979);
     return lights.environment.x * textureLod(environment, uv, roughness * lights.environment.y).rgb;
 }
 

@@ -1,4 +1,5 @@
-// Background of the set: one triangle over the whole view, infinitely far. Writes the direction of rays (world, not unit).
+// Background of the set: one triangle over the whole view, infinitely far. Writes the direction of rays (world, not
+// unit).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/set.h"

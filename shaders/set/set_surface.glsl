@@ -79,7 +79,8 @@ vec3 lit_surface(SetMaterial material, vec3 base_colour) {
     vec3 mirrored_light = lights.ambient.rgb;
     if (lights.environment.x > 0.0) mirrored_light += environment_at(mirrored, surface.roughness);
     const float open = 1.0 + material.surface.w * (texture(occlusion_map, shaded_map_uvs_b.xy).r - 1.0);
-    return light + open * reflect_ambient(surface, to_eye, ambient_at(lights.irradiance, surface.normal), mirrored_light);
+    const vec3 ambient = ambient_at(lights.irradiance, surface.normal);
+    return light + open * reflect_ambient(surface, to_eye, ambient, mirrored_light);
 }
 
 vec4 base_colour(SetMaterial material) {

@@ -71,8 +71,9 @@ float performer_shadow(uint light, vec3 world, float lift) {
         const ivec2 corner = ivec2(i & 1, i >> 1), texel = clamp(first + corner, ivec2(0), ivec2(side - 1));
         const vec2 weights = mix(1.0 - share, share, vec2(corner));
         const vec2 blocker = texelFetch(performer_shadows, (int(from.shadow) * side + texel.y) * side + texel.x).xy;
-        if (blocker.x > 0.0)  // elsewhere the distance is undefined
-            shade += weights.x * weights.y * blocker.x * smoothstep(0.0, kPerformerShadowSoft, metres - lift - blocker.y);
+        if (blocker.x <= 0.0) continue;  // there the distance is undefined
+        const float behind = smoothstep(0.0, kPerformerShadowSoft, metres - lift - blocker.y);
+        shade += weights.x * weights.y * blocker.x * behind;
     }
     return 1.0 - shade;
 }

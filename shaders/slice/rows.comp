@@ -1,6 +1,6 @@
-// Rows: interpolates the rows A_t and B_t of a fractional frame (errata 9), adds the addresses of the weights, and clears
-// the live count for the slice that follows.
-// Reads the bases (frames × bases); writes BasisRows. One thread per column; trivial work.
+// Rows: interpolates the rows A_t and B_t of a fractional frame (errata 9), adds the addresses of the weights, and
+// clears the live count for the slice that follows. Reads the bases (frames × bases); writes BasisRows. One thread per
+// column; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"

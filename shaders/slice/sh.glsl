@@ -1,4 +1,5 @@
-// Real spherical harmonics Y_lm of a unit direction, index l² + l + m, polar axis z, no Condon-Shortley phase (errata 3).
+// Real spherical harmonics Y_lm of a unit direction, index l² + l + m, polar axis z, no Condon-Shortley phase (errata
+// 3).
 #ifndef NEUVV_SH_GLSL
 #define NEUVV_SH_GLSL
 

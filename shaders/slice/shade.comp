@@ -38,5 +38,6 @@ void main() {
     }
     const vec3 colour = 1.0 / (1.0 + exp(-raw));  // errata 8
     const uvec2 leaf_words = uvec2((words.x & 0xffffu) | packHalf2x16(vec2(0.0, colour.r)), packHalf2x16(colour.gb));
-    STORE(shaded, int(push.view * push.capacity + gl_GlobalInvocationID.x), uvec4(leaf == kNoLeaf ? words : leaf_words, 0u, 0u));
+    const int to = int(push.view * push.capacity + gl_GlobalInvocationID.x);
+    STORE(shaded, to, uvec4(leaf == kNoLeaf ? words : leaf_words, 0u, 0u));
 }

@@ -3,7 +3,8 @@
 #define NEUVV_SLICE_LEAF_GLSL
 #include "slice/weights.glsl"
 
-// Stores the coefficient k of SH function j; `target` is the slot or entry that the includer passed to store_leaf_colour.
+// Stores the coefficient k of SH function j; `target` is the slot or entry that the includer passed to
+// store_leaf_colour.
 void store_coefficient(uint target, uint j, vec3 k);
 
 void store_band(uint target, uint leaf, uint l, vec4 radial, uint leaf_count) {

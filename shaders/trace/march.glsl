@@ -1,5 +1,6 @@
-// Walks one ray through the octree, front to back. march_enter reads the node that the walk has come to, march_cell goes
-// from cell to cell within it, march_leaf from leaf to leaf within it, and march_next from leaf to leaf of the tree.
+// Walks one ray through the octree, front to back. march_enter reads the node that the walk has come to, march_cell
+// goes from cell to cell within it, march_leaf from leaf to leaf within it, and march_next from leaf to leaf of the
+// tree.
 //
 //   while (march_enter(march))            while (march_enter(march))                  while (march_next(march, part)) …
 //       while (march.in_node)                 while (march_leaf(march, part)) …
@@ -13,11 +14,11 @@
 // they sample, so that a descent is paid for with every sample: for samples that cost more than a descent.
 //
 // Positions are integers in finest cells, so the walk needs no epsilon: leaving a cell through one face fixes that axis
-// exactly, the other axes are clamped to the cell that was left. Bound by the dependent texel fetches of march_enter: one,
-// and three per node level below the top grid. Expects binding `tree_links`, `push.top` (a TopBox), and the constants
-// kNodeLevels and kTopLevels. Three more name what the walk does without, for comparison: kRestart keeps nothing of the node
-// over a step, kFromRoot descends from the root, not from the grid (both: the paper's walk), kCoalesce unset steps over every
-// empty cell alone.
+// exactly, the other axes are clamped to the cell that was left. Bound by the dependent texel fetches of march_enter:
+// one, and three per node level below the top grid. Expects binding `tree_links`, `push.top` (a TopBox), and the
+// constants kNodeLevels and kTopLevels. Three more name what the walk does without, for comparison: kRestart keeps
+// nothing of the node over a step, kFromRoot descends from the root, not from the grid (both: the paper's walk),
+// kCoalesce unset steps over every empty cell alone.
 #ifndef NEUVV_MARCH_GLSL
 #define NEUVV_MARCH_GLSL
 #include "arrays.glsl"
@@ -29,8 +30,8 @@ Node march_node(uint node);
 uint march_child(uint index);
 bool march_wants(uint leaf);
 
-// A walk goes up along every axis: those along which its ray goes down are mirrored, coordinates x as side − x and cells with all
-// bits turned over.
+// A walk goes up along every axis: those along which its ray goes down are mirrored, coordinates x as side − x and
+// cells with all bits turned over.
 struct March {
     vec3 origin;     // in finest cells
     vec3 direction;  // finest cells per metre, none below 0
@@ -70,7 +71,8 @@ MarchBox march_box(March march) {
 // Slab test against it. Empty (x > y) where the ray misses it or it lies behind.
 vec2 march_range(March march) {
     const MarchBox box = march_box(march);
-    const vec3 near = (vec3(box.low) - march.origin) * march.inverse, far = (vec3(box.high) - march.origin) * march.inverse;
+    const vec3 near = (vec3(box.low) - march.origin) * march.inverse;
+    const vec3 far = (vec3(box.high) - march.origin) * march.inverse;
     return vec2(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
 }
 
@@ -94,8 +96,8 @@ March march_begin(vec3 origin_tree, vec3 direction_tree, vec2 range) {
     return ray;
 }
 
-// In the grid's cells, from its first one. Those before it wrap around, and lie behind the last; so do those beyond the tree,
-// whose higher bits no mirror turns over.
+// In the grid's cells, from its first one. Those before it wrap around, and lie behind the last; so do those beyond the
+// tree, whose higher bits no mirror turns over.
 uvec3 march_top(March ray) { return uvec3((ray.cell ^ ray.mirror) >> kTopShift) - top_low(); }
 
 // Which of the node's cells the walk is in: its Morton number.

@@ -37,7 +37,8 @@ uint segment_after(uint at) {
     return at % kPageWords < (next & ~kLastPage) ? at + 1u : 0u;
 }
 
-// Adds the list's segment at `begin` metres to the stretch; moves the list's cursor (header.w) over a segment that has ended.
+// Adds the list's segment at `begin` metres to the stretch; moves the list's cursor (header.w) over a segment that has
+// ended.
 void add_list(uint list, float begin, inout Stretch stretch) {
     const uvec4 header = pages[list * kPageWords];
     uint at = header.w;

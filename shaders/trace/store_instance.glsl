@@ -21,7 +21,8 @@ const float kSurfaceAlpha = 0.1;            // the ray has met the surface where
 bool is_hidden(Ray ray) {
     if (kRayOutput == kOutputRay) return false;
     const bool solid = LOAD(radiance, int(ray.index)).a > 1.0 - push.box_min.w;
-    return solid && ((kRayOutput != kOutputLayerByDepth && kRayOutput != kOutputInspect) || LOAD(depth, int(ray.index)).x < ray.range.x * ray.world_metres);
+    const bool by_depth = kRayOutput == kOutputLayerByDepth || kRayOutput == kOutputInspect;
+    return solid && (!by_depth || LOAD(depth, int(ray.index)).x < ray.range.x * ray.world_metres);
 }
 
 uint first_page = 0u, page = 0u, in_page = 0u;
@@ -37,7 +38,8 @@ bool is_shared(Ray ray) {
 // Writes a page's header. `next` is the next page, or kLastPage | the number of segments in this page.
 void close_page(Ray ray, uint next) {
     const bool first = page == first_page;
-    pages[page * kPageWords] = uvec4(next, first ? heads[kFirstHead + ray.index] : 0u, 0u, first ? page * kPageWords + 1u : 0u);
+    const uint before = first ? heads[kFirstHead + ray.index] : 0u, begin = first ? page * kPageWords + 1u : 0u;
+    pages[page * kPageWords] = uvec4(next, before, 0u, begin);
 }
 
 // Makes room for one more segment in the ray's last page or in a new one. Returns false where no page is left;
@@ -66,14 +68,15 @@ void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 c
     // At opacity 1 the optical depth is computed without the logarithm, which would lose digits.
     const float depth = opacity == 1.0 ? sigma * (part.t_out - part.t_in) : log(through.x / max(through.y, 1e-30));
     in_page++;
-    pages[page * kPageWords + in_page] = uvec4(floatBitsToUint(metres), packHalf2x16(vec2(min(depth, 65504.0), colour.r)),
+    pages[page * kPageWords + in_page] = uvec4(floatBitsToUint(metres),
+                                               packHalf2x16(vec2(min(depth, 65504.0), colour.r)),
                                                packHalf2x16(colour.gb));
 }
 
 // The factor by which the stage's lights change the colour at a distance along the ray, as if a surface there faced all
-// of them. A captured colour is taken to be lit by a light of 1. Shadow is looked up where the ray meets the surface: the
-// distance is a mean along the ray, and that of a ray which also sees through to the back lies inside the performer, in
-// its own shadow.
+// of them. A captured colour is taken to be lit by a light of 1. Shadow is looked up where the ray meets the surface:
+// the distance is a mean along the ray, and that of a ray which also sees through to the back lies inside the
+// performer, in its own shadow.
 vec3 light_on(Ray ray, float world_metres) {
     if ((push.lighting & kLit) == 0u) return vec3(1.0);
     const vec3 eye = texelFetch(cameras, int(kCameraTexels * ray.view)).xyz;

@@ -69,8 +69,8 @@ void store_range(uint v, Box performer_box) {
     for (int y = first.y; y <= last.y; y++)
         for (int x = first.x; x <= last.x; x++) {
             const uint at = 2u * ((v * push.tiles_down + uint(y)) * push.tiles_across + uint(x));
-            // Most boxes change nothing, and a read costs less than an atomic. Words only fall, so one that was read too
-            // early costs an atomic, and nothing else.
+            // Most boxes change nothing, and a read costs less than an atomic. Words only fall, so one that was read
+            // too early costs an atomic, and nothing else.
             if (tile_ranges[at] > floatBitsToUint(near)) atomicMin(tile_ranges[at], floatBitsToUint(near));
             if (tile_ranges[at + 1u] > ~floatBitsToUint(far)) atomicMin(tile_ranges[at + 1u], ~floatBitsToUint(far));
         }
@@ -87,6 +87,7 @@ void main() {
     const vec3 corner = 4.0 * vec3(position.x & 0xffffu, position.x >> 16u, position.y & 0xffffu);
     const vec3 cell = push.box_size.xyz / float(4u << (2u * (position.y >> 16u)));
     const Box cells = cells_box(leaves);
-    const Box box = Box(push.box_min.xyz + (corner + cells.low) * cell, push.box_min.xyz + (corner + cells.high) * cell);
+    const Box box = Box(push.box_min.xyz + (corner + cells.low) * cell,
+                        push.box_min.xyz + (corner + cells.high) * cell);
     for (uint v = 0u; v < push.views; v++) store_range(v, box);
 }

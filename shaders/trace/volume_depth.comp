@@ -25,7 +25,8 @@ void main() {
     const vec2 rays = vec2(ray_of_pixel(camera_axis(view, 0u), at.x), ray_of_pixel(camera_axis(view, 1u), at.y));
     const uvec2 cell = uvec2(min(rays, vec2(push.tiles_across, push.tiles_down) * float(kTile) - 1.0));
     const uvec2 tile = cell / kTile, inner = cell % kTile;
-    const int ray = int(((view * push.tiles_down + tile.y) * push.tiles_across + tile.x) * kTilePixels + inner.y * kTile + inner.x);
+    const uint first = ((view * push.tiles_down + tile.y) * push.tiles_across + tile.x) * kTilePixels;
+    const int ray = int(first + inner.y * kTile + inner.x);
     float metres = uintBitsToFloat(0x7f800000u);
     if (FETCH(radiance, ray).a > 0.0) metres = FETCH(depth, ray).x / length(camera_line(view, at));
     STORE(volume_depth, int(thread), vec4(metres));

@@ -3,9 +3,9 @@
 //   L = Σ_pixels Σ_channels (P − I)² + λ ((e_right − e)² + (e_below − e)²), where neighbours lie in the same tile
 // Where cameras have colours of their own, C is what the tile's camera makes of the traced colour. The targets are then
 // as the mean camera would see them, for the point loss, and the tile's camera makes C* of them.
-// Where what a camera sees is below 0, the slope of srgb is taken as that at 0, so that a brighter target pulls it back.
-// The losses are sums, not means, as Adam does not depend on their scale; the host divides them by the number of pixels
-// for display. One workgroup per tile, one thread per ray; reads 48 bytes and writes 16 bytes per ray.
+// Where what a camera sees is below 0, the slope of srgb is taken as that at 0, so that a brighter target pulls it
+// back. The losses are sums, not means, as Adam does not depend on their scale; the host divides them by the number of
+// pixels for display. One workgroup per tile, one thread per ray; reads 48 bytes and writes 16 bytes per ray.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"
@@ -72,7 +72,8 @@ void main() {
     composited[lane] = seen(group, traced) + (1.0 - traced.a) * behind;
     barrier();
     const vec3 linear = pixel_mean(x, y);
-    const vec3 wrong = inside ? srgb_encode(linear) - srgb_encode(seen(group, truth) + (1.0 - truth.a) * behind) : vec3(0.0);
+    const vec3 shown = seen(group, truth) + (1.0 - truth.a) * behind;
+    const vec3 wrong = inside ? srgb_encode(linear) - srgb_encode(shown) : vec3(0.0);
     error[lane] = vec4(abs(wrong), inside ? 1.0 : 0.0);
     barrier();
 

@@ -1,7 +1,7 @@
 // Where several processes train a tree together: gives the slots of this device the sums of all processes' gradients,
-// and lists these slots as touched, in the order of the records, so that all processes go on in the same order. Rounding
-// that differs between devices can make a leaf empty on one of them alone: kNoSlot stands for it there. One thread per
-// record. Bound by reading the records, which lie in the host's memory.
+// and lists these slots as touched, in the order of the records, so that all processes go on in the same order.
+// Rounding that differs between devices can make a leaf empty on one of them alone: kNoSlot stands for it there. One
+// thread per record. Bound by reading the records, which lie in the host's memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"

@@ -67,5 +67,6 @@ void main() {
     const float clear = exp(-uintBitsToFloat(FETCH(head, int(leaf)).x) * edge);
     const ivec3 low = ivec3(position.x & 0xffffu, position.x >> 16u, position.y & 0xffffu) << int(shift);
     gradients[own_slot * gradient_stride(kHhDegree)] +=
-        push.weights.smoothness * push.pixel_share * sum_of_faces(1.0 - clear, edge, low, 1 << int(shift)) * edge * clear;
+        push.weights.smoothness * push.pixel_share *
+        sum_of_faces(1.0 - clear, edge, low, 1 << int(shift)) * edge * clear;
 }

@@ -1,4 +1,5 @@
-// Copy: a buffer to another, as the measure of the device's memory. Bound by memory, 16 bytes read and written a thread.
+// Copy: a buffer to another, as the measure of the device's memory. Bound by memory, 16 bytes read and written a
+// thread.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/copy.h"

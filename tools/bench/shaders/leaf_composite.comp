@@ -1,10 +1,10 @@
 // Composites the leaves of each listed tile front to back.
-// Reads the sorted pairs, and the shaded entries and positions of their leaves; writes premultiplied linear RGB and alpha,
-// and depth in metres, of each ray. One workgroup per tile, dispatched indirectly, one thread per pixel. The threads fetch
-// 64 leaves together, and set each leaf's bit for the columns and rows of the tile that it covers. Then each thread takes
-// the leaves whose bits are set for both its column and its row, until all rays of the tile have ended. Bound by the
-// fetches, three of which depend on each other, and by arithmetic: a projection for each leaf of the tile, and some 30
-// operations for each of the leaf's pixels.
+// Reads the sorted pairs, and the shaded entries and positions of their leaves; writes premultiplied linear RGB and
+// alpha, and depth in metres, of each ray. One workgroup per tile, dispatched indirectly, one thread per pixel. The
+// threads fetch 64 leaves together, and set each leaf's bit for the columns and rows of the tile that it covers. Then
+// each thread takes the leaves whose bits are set for both its column and its row, until all rays of the tile have
+// ended. Bound by the fetches, three of which depend on each other, and by arithmetic: a projection for each leaf of
+// the tile, and some 30 operations for each of the leaf's pixels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/leaf_raster.h"
@@ -38,7 +38,8 @@ float set_end(uint view, vec2 at) { return 1e30; }
 
 shared vec4 leaf_box[kTilePixels];    // low corner and edge, in finest cells
 shared vec4 leaf_light[kTilePixels];  // colour, σ (1/m)
-shared uint covering[8u * kTile];     // per turn, axis, and column or row of pixels: a bit for each leaf that covers some of it
+// Per turn, axis, and column or row of pixels: a bit for each leaf that covers some of it.
+shared uint covering[8u * kTile];
 shared uint ended_rays;
 
 // A ray in finest cells: its origin, and metres per finest cell along each axis.

@@ -17,10 +17,10 @@ LeafCell leaf_cell(uvec2 position) {
 }
 
 // The cells of an octree are in front-to-back order from an eye where the octants of every node are taken by increasing
-// number, with the bit of an axis flipped where the eye is beyond the node's middle plane: a ray crosses that plane at most
-// once, and only away from the eye's side. This function returns the index of a cell along one axis with its bits flipped
-// that way. The leading bits that the cell shares with the eye's cell belong to nodes around both, and become 0. The first
-// bit that differs says on which side of all further planes the eye is.
+// number, with the bit of an axis flipped where the eye is beyond the node's middle plane: a ray crosses that plane at
+// most once, and only away from the eye's side. This function returns the index of a cell along one axis with its bits
+// flipped that way. The leading bits that the cell shares with the eye's cell belong to nodes around both, and become
+// 0. The first bit that differs says on which side of all further planes the eye is.
 uint bits_from_eye(uint at, uint eye) {
     if (at == eye) return 0u;
     const uint differs = 1u << findMSB(at ^ eye);
@@ -37,8 +37,8 @@ uint spread(uint bits) {
 
 uint morton(uvec3 cell) { return spread(cell.x) | spread(cell.y) << 1u | spread(cell.z) << 2u; }
 
-// The nearness of a leaf as (low word, high word): its Morton number, bits flipped as above. `eye`: the finest cell of the
-// eye.
+// The nearness of a leaf as (low word, high word): its Morton number, bits flipped as above. `eye`: the finest cell of
+// the eye.
 uvec2 nearness(LeafCell leaf, uvec3 eye) {
     const uint shift = kFinestDepth - leaf.depth;
     const uvec3 from_eye = uvec3(bits_from_eye(leaf.at.x, eye.x >> shift), bits_from_eye(leaf.at.y, eye.y >> shift),

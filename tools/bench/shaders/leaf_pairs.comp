@@ -1,7 +1,7 @@
 // Projects live leaves: writes a pair for each leaf and each tile of 8×8 pixels whose rays may meet it.
 // Reads the leaves of entries and their positions; writes keys and values of pairs, in no order. One thread per entry,
-// dispatched indirectly. Bound by arithmetic, some 150 operations per leaf; where the eye is close, by the leaves that cover
-// most tiles.
+// dispatched indirectly. Bound by arithmetic, some 150 operations per leaf; where the eye is close, by the leaves that
+// cover most tiles.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/leaf_raster.h"
@@ -20,7 +20,8 @@ layout(push_constant) uniform Push { LeafRasterPush push; };
 shared uint group_count;
 shared uint group_first;
 
-// Reserves consecutive pairs for this thread, and returns the index of the first. All threads of the group must call it.
+// Reserves consecutive pairs for this thread, and returns the index of the first. All threads of the group must call
+// it.
 uint reserve_pairs(uint number) {
     if (gl_LocalInvocationID.x == 0u) group_count = 0u;
     barrier();

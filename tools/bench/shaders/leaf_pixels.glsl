@@ -11,13 +11,14 @@ struct Pixels {
     uvec2 first, end;
 };
 
-// z · (x, y, 1), where (x, y) is the pixel that sees a point, and z its depth. `from_eye`: the point relative to the eye.
+// z · (x, y, 1), where (x, y) is the pixel that sees a point, and z its depth. `from_eye`: the point relative to the
+// eye.
 vec3 homogeneous(vec3 from_eye) {
     return vec3(dot(push.row_x.xyz, from_eye), dot(push.row_y.xyz, from_eye), dot(push.row_z.xyz, from_eye));
 }
 
-// A pixel has one ray from its centre, or n² rays that are shifted from it (ray.glsl). A leaf that lies between rays has no
-// pixel.
+// A pixel has one ray from its centre, or n² rays that are shifted from it (ray.glsl). A leaf that lies between rays
+// has no pixel.
 Pixels leaf_pixels(LeafCell leaf) {
     const vec3 size = push.box_size.xyz / float(1u << leaf.depth);
     const vec3 low = push.box_min.xyz + vec3(leaf.at) * size - push.eye.xyz;
@@ -25,7 +26,8 @@ Pixels leaf_pixels(LeafCell leaf) {
     const mat3 edges = mat3(homogeneous(vec3(size.x, 0, 0)), homogeneous(vec3(0, size.y, 0)),
                             homogeneous(vec3(0, 0, size.z)));
     vec4 covered = box_pixels(homogeneous(low), edges);
-    if (length(max(max(low, -(low + size)), 0.0)) < 2.0 * kNearest) covered = vec4(0.0, 0.0, image);  // the leaf is around the eye, or nearly
+    const bool around_eye = length(max(max(low, -(low + size)), 0.0)) < 2.0 * kNearest;  // or nearly
+    if (around_eye) covered = vec4(0.0, 0.0, image);
     const float margin = 0.5 - 0.5 / push.eye.w + kSlack;
     const vec2 first = clamp(ceil(covered.xy - 0.5 - margin), vec2(0.0), image);
     const vec2 end = clamp(floor(covered.zw + 0.5 + margin), vec2(0.0), image);

@@ -1,7 +1,7 @@
 // Pair sort, first of three passes: counts how many pairs of each block have each digit.
 // Reads the keys of a block; writes the block's counts, and adds them to those of all blocks. One workgroup per block,
-// dispatched indirectly. Bound by memory, 8 bytes per pair, and by atomic additions in shared memory where many keys have
-// the same digit.
+// dispatched indirectly. Bound by memory, 8 bytes per pair, and by atomic additions in shared memory where many keys
+// have the same digit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/field.h"

@@ -1,6 +1,6 @@
-// Pair sort, second of three passes: computes where the pairs of each block and digit go, which is behind the pairs of all
-// lower digits, and behind those of the same digit in earlier blocks.
-// Reads and writes the counts of blocks. One workgroup per digit. Bound by barriers: 14 for each 64 blocks.
+// Pair sort, second of three passes: computes where the pairs of each block and digit go, which is behind the pairs of
+// all lower digits, and behind those of the same digit in earlier blocks. Reads and writes the counts of blocks. One
+// workgroup per digit. Bound by barriers: 14 for each 64 blocks.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/field.h"

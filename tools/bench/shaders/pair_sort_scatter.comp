@@ -1,9 +1,8 @@
-// Pair sort, third of three passes: writes every pair to its position in the order of one digit. Pairs of the same digit
-// keep their order.
-// Reads and writes the pairs, and reads where the pairs of each digit go. One workgroup per block, dispatched indirectly,
-// 64 consecutive pairs at a time, one per thread: each thread sets its bit among those of its digit, and counts the bits
-// before its own, so that the size of a subgroup does not matter. Bound by memory, 24 bytes per pair with scattered writes,
-// and by shared memory and barriers.
+// Pair sort, third of three passes: writes every pair to its position in the order of one digit. Pairs of the same
+// digit keep their order. Reads and writes the pairs, and reads where the pairs of each digit go. One workgroup per
+// block, dispatched indirectly, 64 consecutive pairs at a time, one per thread: each thread sets its bit among those of
+// its digit, and counts the bits before its own, so that the size of a subgroup does not matter. Bound by memory, 24
+// bytes per pair with scattered writes, and by shared memory and barriers.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/field.h"

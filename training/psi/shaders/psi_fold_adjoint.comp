@@ -36,7 +36,8 @@ void main() {
     const uint i = push.output_offset + gl_GlobalInvocationID.x, per_basis = push.frames * push.bases;
     if (i >= push.sigma_rows_offset + 2u * per_basis) return;
     if (i < push.sigma_rows_offset) {
-        gradients[i] = output_gradient((i - push.output_offset) / push.outputs, (i - push.output_offset) % push.outputs);
+        const uint at = i - push.output_offset;
+        gradients[i] = output_gradient(at / push.outputs, at % push.outputs);
         return;
     }
     const uint element = i - push.sigma_rows_offset, kind = element / per_basis;

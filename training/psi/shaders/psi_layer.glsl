@@ -1,8 +1,8 @@
 // One layer of the network on a block of 64 samples, in place in shared memory, forwards and backwards:
 //   z_o = b_o + Σ_k W_ko h_k,   ∂h_k = Σ_o W_ko ∂z_o
 // The 64 threads form a square of 8 × 8: each computes eight samples of every eighth texel of columns. For each k it
-// reads 8 activations and as many weights for 64 multiply-adds. Weights come through caches, as all threads read the same
-// row of at most 512 bytes (as texel buffers on a CPU device, three times as fast as a copy in shared memory).
+// reads 8 activations and as many weights for 64 multiply-adds. Weights come through caches, as all threads read the
+// same row of at most 512 bytes (as texel buffers on a CPU device, three times as fast as a copy in shared memory).
 // Bound by arithmetic: 2·inputs·outputs FLOP per sample for 4·inputs·outputs / 64 bytes of cached weights. Cooperative
 // matrices could replace the inner loops of the two functions. The file that includes this one defines kWidth,
 // kHeadColumns, kInputs and the binding `parameters`.
