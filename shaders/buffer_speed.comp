@@ -16,9 +16,9 @@ layout(binding = kSpeedOut, std430) writeonly buffer Out { vec4 result; };
 void main() {
     const uint thread = gl_GlobalInvocationID.x;
     vec4 sum = vec4(0.0);
-    for (uint i = 0u; i < kSpeedReads; i++)
+    for (uint i = 0u; i < kSpeedReads; ++i)
         sum += FETCH(weights, int((thread + i * (kSpeedElements / kSpeedReads)) % kSpeedElements));
     uvec2 entry = uvec2(thread % kSpeedElements);
-    for (uint i = 0u; i < kSpeedReads; i++) entry = FETCH(entries, int(entry.x)).xy;
+    for (uint i = 0u; i < kSpeedReads; ++i) entry = FETCH(entries, int(entry.x)).xy;
     if (entry.y == kSpeedElements) result = sum;  // no entry has that
 }

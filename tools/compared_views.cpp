@@ -26,7 +26,7 @@ ComparedViews::ComparedViews(const gpu::Device& device, const voctree::VOctree& 
                              uint32_t count)
     : device_(device), size_(size) {
     const std::vector<ViewStep> path = orbit_path(tree, size_);
-    for (size_t i = 0; i < count; i++) views_.push_back(path[(2 * i + 1) * path.size() / (size_t{2} * count)]);
+    for (size_t i = 0; i < count; ++i) views_.push_back(path[(2 * i + 1) * path.size() / (size_t{2} * count)]);
 }
 
 void ComparedViews::round_frames() {
@@ -71,10 +71,10 @@ bool shows_something(const media::Image& image, const glm::vec3& background) {
     constexpr int kLeastDifference = 8;
     size_t shown = 0;
     for (size_t i = 0; i < image.rgba.size(); i += 4)
-        for (size_t c = 0; c < 3; c++)
+        for (size_t c = 0; c < 3; ++c)
             if (std::abs(image.rgba[i + c] - static_cast<int>(255 * background[static_cast<int>(c)])) >=
                 kLeastDifference) {
-                shown++;
+                ++shown;
                 break;
             }
     return 1000 * shown >= image.rgba.size() / 4 && shown > 0;
@@ -88,7 +88,7 @@ double psnr_together(std::span<const double> psnrs) {
 
 double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& images) {
     double worst = 99;
-    for (size_t i = 0; i < truth.size(); i++) worst = std::min(worst, training::compare(truth[i], images[i]).psnr);
+    for (size_t i = 0; i < truth.size(); ++i) worst = std::min(worst, training::compare(truth[i], images[i]).psnr);
     return worst;
 }
 

@@ -118,7 +118,7 @@ Outcome convert_segments(const gpu::Device& device, const ConvertOptions& option
     const UnfinishedClip clip(options.output);
     voctree::ClipIndex smaller = index;
     Outcome outcome;
-    for (size_t i = 0; i < index.segments.size(); i++) {
+    for (size_t i = 0; i < index.segments.size(); ++i) {
         say("segment {} of {}\n", i + 1, index.segments.size());
         smaller.segments[i].file = clip.folder() / voctree::segment_file_name(index.segments[i].first);
         convert_file(device, index.segments[i], smaller.segments[i].file, options, outcome);

@@ -42,7 +42,7 @@ double clip_seconds(const voctree::NvvHead& head) {
 voctree::NvvSummary summary_of_plenoctree(const std::string& file) {
     const voctree::VOctree tree = voctree::read_clip(file, voctree::PlenoctreeColours::kAsStored);
     uint32_t infinite = 0;
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) infinite += *tree.leaf(leaf) == voctree::kMaxHalf ? 1 : 0;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) infinite += *tree.leaf(leaf) == voctree::kMaxHalf ? 1 : 0;
     if (infinite > 0) say("neuvv: leaves whose density is limited to {} per metre: {}\n", voctree::kMaxHalf, infinite);
     voctree::NvvSummary summary;
     summary.file_bytes = std::filesystem::file_size(file);

@@ -48,7 +48,7 @@ void Actions::create_actions() {
     std::strcpy(set.actionSetName, "stage");
     std::strcpy(set.localizedActionSetName, "On stage");
     check(xrCreateActionSet(runtime.instance(), &set, set_.out()), "xrCreateActionSet", "stage");
-    for (int hand = 0; hand < kHands; hand++) paths_[hand] = runtime.path(kHandPaths[hand]);
+    for (int hand = 0; hand < kHands; ++hand) paths_[hand] = runtime.path(kHandPaths[hand]);
     for (const HandAction which : kHandActions) {
         const ActionName name = name_of(which);
         XrActionCreateInfo info{XR_TYPE_ACTION_CREATE_INFO};
@@ -65,7 +65,7 @@ void Actions::create_actions() {
 void Actions::create_tracker_action() {
     const Runtime& runtime = session_.runtime();
     if (!runtime.supports(XR_HTCX_VIVE_TRACKER_INTERACTION_EXTENSION_NAME)) return;
-    for (size_t i = 0; i < kTrackers; i++) tracker_paths_[i] = runtime.path(kTrackerRoles[i].path);
+    for (size_t i = 0; i < kTrackers; ++i) tracker_paths_[i] = runtime.path(kTrackerRoles[i].path);
     XrActionCreateInfo info{XR_TYPE_ACTION_CREATE_INFO};
     std::strcpy(info.actionName, "tracker");
     std::strcpy(info.localizedActionName, "Worn tracker");
@@ -110,7 +110,7 @@ void Actions::suggest_bindings() const {
         if (profile.extension && !runtime.has(profile.extension)) continue;
         std::vector<XrActionSuggestedBinding> bindings;
         for (const Binding& one : profile.bindings)
-            for (int hand = 0; hand < kHands; hand++)
+            for (int hand = 0; hand < kHands; ++hand)
                 if (is_bound(one.hands, hand))
                     bindings.push_back(
                         {action(one.action), runtime.path((std::string(kHandPaths[hand]) + one.path).c_str())});
@@ -128,16 +128,16 @@ void Actions::create_spaces() {
         info.poseInActionSpace = xr_pose({});
         check(xrCreateActionSpace(session_.handle(), &info, space.out()), "xrCreateActionSpace", name);
     };
-    for (int hand = 0; hand < kHands; hand++)
+    for (int hand = 0; hand < kHands; ++hand)
         for (const auto& [which, spaces] : {std::pair{HandAction::kAim, &aim_}, std::pair{HandAction::kGrip, &grip_}})
             create(action(which), paths_[hand], (*spaces)[hand], name_of(which).name);
     if (gaze_ != XR_NULL_HANDLE) create(gaze_, XR_NULL_PATH, gaze_space_, "gaze");
     if (tracker_ == XR_NULL_HANDLE) return;
-    for (size_t i = 0; i < kTrackers; i++) create(tracker_, tracker_paths_[i], trackers_[i], "tracker");
+    for (size_t i = 0; i < kTrackers; ++i) create(tracker_, tracker_paths_[i], trackers_[i], "tracker");
 }
 
 void Actions::update_controllers() {
-    for (int hand = 0; hand < kHands; hand++) {
+    for (int hand = 0; hand < kHands; ++hand) {
         XrInteractionProfileState state{XR_TYPE_INTERACTION_PROFILE_STATE};
         check(xrGetCurrentInteractionProfile(session_.handle(), paths_[hand], &state), "xrGetCurrentInteractionProfile",
               kHandPaths[hand]);
@@ -208,7 +208,7 @@ HandInputs Actions::sample(XrTime time) {
     const XrActionsSyncInfo info{XR_TYPE_ACTIONS_SYNC_INFO, nullptr, 1, &active};
     const XrResult result = check(xrSyncActions(session_.handle(), &info), "xrSyncActions", "stage");
     if (result == XR_SESSION_NOT_FOCUSED || result == XR_SESSION_LOSS_PENDING) return hands;
-    for (int hand = 0; hand < kHands; hand++) {
+    for (int hand = 0; hand < kHands; ++hand) {
         HandInput& input = hands[hand];
         input.aim = session_.locate(aim_[hand].get(), time);
         input.grip = session_.locate(grip_[hand].get(), time);
@@ -233,7 +233,7 @@ HandInputs Actions::sample(XrTime time) {
 TrackerPositions Actions::locate_trackers(XrTime time) const {
     TrackerPositions positions;
     if (tracker_ == XR_NULL_HANDLE) return positions;
-    for (size_t i = 0; i < kTrackers; i++)
+    for (size_t i = 0; i < kTrackers; ++i)
         if (const auto pose = session_.locate(trackers_[i].get(), time)) positions[i] = pose->position;
     return positions;
 }

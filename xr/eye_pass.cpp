@@ -165,7 +165,7 @@ void EyePass::draw_image(gpu::Commands& commands, const render::ViewLayout& layo
 void EyePass::draw_shapes(gpu::Commands& commands, std::span<const stage::Camera> cameras, const EyeShapes& shapes) {
     assert(cameras.size() % kEyes == 0);
     std::vector<ShapePush> pairs(cameras.size() / kEyes);
-    for (size_t view = 0; view < cameras.size(); view++)
+    for (size_t view = 0; view < cameras.size(); ++view)
         pairs[view / kEyes].clip_from_world[view % kEyes] =
             glm::mat4(render::clip_from_world(cameras[view], render::kSetNear_m));
     const VkDeviceSize start = 0;
@@ -176,7 +176,7 @@ void EyePass::draw_shapes(gpu::Commands& commands, std::span<const stage::Camera
         if (count > 0) {
             vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass.pipeline());
             vkCmdSetDepthWriteEnable(commands.handle(), writes_depth);
-            for (uint32_t pair = 0; pair < pairs.size(); pair++) {
+            for (uint32_t pair = 0; pair < pairs.size(); ++pair) {
                 push(commands, pass, pairs[pair]);
                 vkCmdDraw(commands.handle(), count, kEyes, first, pair * kEyes);
             }

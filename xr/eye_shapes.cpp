@@ -66,7 +66,7 @@ void EyeShapes::line(glm::dvec3 from, glm::dvec3 to, double width_m, glm::vec4 f
     const double length = glm::distance(from, to);
     if (!(length > 1e-6)) return;
     const glm::dvec3 along = (to - from) / length, x = perpendicular_to(along), y = glm::cross(along, x);
-    for (int ribbon = 0; ribbon < 3; ribbon++) {
+    for (int ribbon = 0; ribbon < 3; ++ribbon) {
         const double angle = ribbon * glm::pi<double>() / 3;
         const glm::dvec3 side = 0.5 * (std::cos(angle) * x + std::sin(angle) * y);
         const glm::dvec3 first = width_at(from, width_m) * side, last = width_at(to, width_m) * side;
@@ -78,7 +78,7 @@ void EyeShapes::line(glm::dvec3 from, glm::dvec3 to, double width_m, glm::vec4 f
 }
 
 void EyeShapes::path(std::span<const glm::dvec3> points, double width_m, glm::vec4 colour) {
-    for (size_t i = 1; i < points.size(); i++) line(points[i - 1], points[i], width_m, colour, colour);
+    for (size_t i = 1; i < points.size(); ++i) line(points[i - 1], points[i], width_m, colour, colour);
 }
 
 namespace {
@@ -92,7 +92,7 @@ glm::dvec3 corner_of(const glm::dmat4& world_from_box, glm::dvec3 low, glm::dvec
 
 void EyeShapes::box_edges(const glm::dmat4& world_from_box, glm::dvec3 low, glm::dvec3 high, double width_m,
                           glm::vec4 colour) {
-    for (int corner = 0; corner < 8; corner++)
+    for (int corner = 0; corner < 8; ++corner)
         for (int axis = 1; axis < 8; axis *= 2)
             if (!(corner & axis))
                 line(corner_of(world_from_box, low, high, corner), corner_of(world_from_box, low, high, corner | axis),
@@ -101,7 +101,7 @@ void EyeShapes::box_edges(const glm::dmat4& world_from_box, glm::dvec3 low, glm:
 
 void EyeShapes::solid_box(const glm::dmat4& world_from_box, glm::dvec3 low, glm::dvec3 high, glm::vec4 colour) {
     const glm::dvec3 middle = world_from_box * glm::dvec4(0.5 * (low + high), 1);
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; ++axis)
         for (const int side : {0, 1}) {
             const int u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3, first = side << axis;
             glm::dvec3 c[4];
@@ -120,8 +120,8 @@ void EyeShapes::ball(glm::dvec3 middle, double radius_m, glm::vec4 colour) {
         const double theta = glm::pi<double>() * j / kDown, phi = glm::two_pi<double>() * i / kAround;
         return glm::dvec3(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
     };
-    for (int j = 0; j < kDown; j++)
-        for (int i = 0; i < kAround; i++) {
+    for (int j = 0; j < kDown; ++j)
+        for (int i = 0; i < kAround; ++i) {
             const glm::dvec3 a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
             const glm::vec4 face_colour = shaded(colour, shade_of(glm::normalize(a + b + c + d)));
             const auto out = [&](glm::dvec3 normal) { return middle + radius_m * normal; };
@@ -139,7 +139,7 @@ void EyeShapes::ellipse(glm::dvec3 middle, glm::dvec3 half_x, glm::dvec3 half_z,
         return ShapeVertex{glm::vec3(middle + std::cos(phi) * half_x + std::sin(phi) * half_z),
                            premultiplied(rim_colour)};
     };
-    for (int i = 0; i < kAround; i++)
+    for (int i = 0; i < kAround; ++i)
         add(std::array<ShapeVertex, 3>{{{glm::vec3(middle), premultiplied(middle_colour)}, at(i), at(i + 1)}}, alpha);
 }
 
@@ -149,7 +149,7 @@ void EyeShapes::ring(glm::dvec3 middle, double radius_m, double width_m, glm::ve
         const double phi = glm::two_pi<double>() * i / kAround;
         return middle + radius * glm::dvec3(std::cos(phi), 0, std::sin(phi));
     };
-    for (int i = 0; i < kAround; i++) {
+    for (int i = 0; i < kAround; ++i) {
         const double outer = radius_m + width_m;
         triangle(at(i, radius_m), at(i + 1, radius_m), at(i + 1, outer), colour);
         triangle(at(i, radius_m), at(i + 1, outer), at(i, outer), colour);

@@ -51,7 +51,7 @@ void EyeText::draw(gpu::Commands& commands, std::span<const TextVertex> text, st
     vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.pipeline());
     vkCmdBindDescriptorSets(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.layout(), 0, 1, &set, 0, nullptr);
     vkCmdSetDepthWriteEnable(commands.handle(), VK_FALSE);
-    for (uint32_t pair = 0; pair < pairs.size(); pair++) {
+    for (uint32_t pair = 0; pair < pairs.size(); ++pair) {
         vkCmdPushConstants(commands.handle(), pass_.layout(), gpu::kDrawStages, 0, pass_.interface().push_bytes,
                            &pairs[pair]);
         vkCmdDraw(commands.handle(), static_cast<uint32_t>(text.size()), kEyes, 0, pair * kEyes);

@@ -14,7 +14,7 @@ HandTracking::HandTracking(const Session& session) : session_(session) {
     if (!session.runtime().supports(XR_EXT_HAND_TRACKING_EXTENSION_NAME)) return;
     destroy_ = session.runtime().function<PFN_xrDestroyHandTrackerEXT>("xrDestroyHandTrackerEXT");
     const auto create = session.runtime().function<PFN_xrCreateHandTrackerEXT>("xrCreateHandTrackerEXT");
-    for (int hand = 0; hand < kHands; hand++) {
+    for (int hand = 0; hand < kHands; ++hand) {
         const XrHandTrackerCreateInfoEXT info{XR_TYPE_HAND_TRACKER_CREATE_INFO_EXT, nullptr,
                                               hand == kLeft ? XR_HAND_LEFT_EXT : XR_HAND_RIGHT_EXT,
                                               XR_HAND_JOINT_SET_DEFAULT_EXT};
@@ -29,7 +29,7 @@ HandTracking::~HandTracking() {
 }
 
 void HandTracking::locate(XrTime time) {
-    for (int hand = 0; hand < kHands; hand++) {
+    for (int hand = 0; hand < kHands; ++hand) {
         joints_[hand].clear();
         if (trackers_[hand] == XR_NULL_HANDLE) continue;
         std::array<XrHandJointLocationEXT, XR_HAND_JOINT_COUNT_EXT> found{};

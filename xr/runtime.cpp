@@ -239,7 +239,7 @@ VkExtent2D Runtime::recommended_size(uint32_t view, bool follows_gaze) const {
 
 VkExtent2D Runtime::image_size() const {
     VkExtent2D size{};
-    for (uint32_t view = 0; view < view_count(); view++)
+    for (uint32_t view = 0; view < view_count(); ++view)
         for (const bool follows_gaze : {false, true}) {
             const VkExtent2D one = recommended_size(view, follows_gaze);
             size = {std::max(size.width, one.width), std::max(size.height, one.height)};
@@ -302,7 +302,7 @@ gpu::DeviceExtensions Runtime::device_extensions() {
     for (std::string& name : names("xrGetVulkanDeviceExtensionsKHR"))
         vulkan_extension_names_.push_back(std::move(name));
     gpu::DeviceExtensions extensions;
-    for (size_t i = 0; i < vulkan_extension_names_.size(); i++)
+    for (size_t i = 0; i < vulkan_extension_names_.size(); ++i)
         (i < first_of_device ? extensions.instance : extensions.device).push_back(vulkan_extension_names_[i].c_str());
     return extensions;
 }

@@ -30,7 +30,7 @@ void parallel_for(size_t count, size_t grain, const std::function<void(size_t, s
     const size_t pieces = (count + grain - 1) / grain;
     const size_t threads = std::min<size_t>(pieces, std::max(1u, std::thread::hardware_concurrency()));
     std::vector<std::thread> helpers;
-    for (size_t i = 1; i < threads; i++) helpers.emplace_back(work);
+    for (size_t i = 1; i < threads; ++i) helpers.emplace_back(work);
     work();
     for (std::thread& helper : helpers) helper.join();
     if (failure) std::rethrow_exception(failure);

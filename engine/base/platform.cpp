@@ -209,7 +209,7 @@ bool stop_requested() {
 }
 
 void open_standard_streams() {
-    for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; stream++) {
+    for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
         if (fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
         // The lowest number that is free is this one. Opened for the other direction, it fails as a closed one does.
         if (open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) != stream) return;

@@ -51,7 +51,7 @@ void keep_locked(Trace& all, Span span) {
     if (all.spans.size() < kMostSpans)
         all.spans.push_back(std::move(span));
     else
-        all.left_out++;
+        ++all.left_out;
 }
 
 double microseconds(TraceClock::duration duration) {
@@ -111,7 +111,7 @@ void write_trace(const std::filesystem::path& file) {
     write_file_atomically(file, [&](const ByteSink& sink) {
         const auto put = [&](const std::string& text) { sink(text.data(), text.size()); };
         put(fmt::format("{{\"otherData\": {{\"spans left out\": {}}}, \"traceEvents\": [\n", all.left_out));
-        for (size_t lane = 0; lane < all.lanes.size(); lane++)
+        for (size_t lane = 0; lane < all.lanes.size(); ++lane)
             put(fmt::format(
                 "{}{{\"ph\": \"M\", \"name\": \"thread_name\", \"pid\": 1, \"tid\": {}, \"args\": {{\"name\": {}}}}}",
                 lane == 0 ? "" : ",\n", lane, nlohmann::json(all.lanes[lane]).dump()));

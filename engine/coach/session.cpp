@@ -86,7 +86,7 @@ std::optional<double> Session::stage_time_of(const stage::Stage& stage, double c
     const stage::StagePerformer& performer = stage.performers[*performer_];
     const double clip_fps = stage.clips[performer.clip].fps, frames = std::ceil(stage.duration_s * stage.fps);
     std::optional<double> nearest;
-    for (double i = 0; i < frames; i++) {
+    for (double i = 0; i < frames; ++i) {
         const double at = i / stage.fps;
         if (std::abs(stage::frame_at(performer.timeline, at) / clip_fps - clip_s) > 0.75 / clip_fps) continue;
         if (!nearest || std::abs(at - stage_s) < std::abs(*nearest - stage_s)) nearest = at;

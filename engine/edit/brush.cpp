@@ -27,7 +27,7 @@ float distance_to_segment(glm::vec3 at, glm::vec3 a, glm::vec3 b) {
 // The distance from a point to the stroke, metres; larger than the radius where the stroke does not cover it.
 float distance_to_stroke(glm::vec3 at, std::span<const Touch> touches, float radius) {
     float nearest = std::numeric_limits<float>::infinity();
-    for (size_t i = 0; i < touches.size(); i++) {
+    for (size_t i = 0; i < touches.size(); ++i) {
         nearest = std::min(nearest, distance_to_segment(at, touches[i].front, touches[i].back));
         if (i == 0) continue;
         for (const auto& [from, to] :
@@ -54,13 +54,13 @@ float luminance(glm::vec3 c) {
 std::vector<Touch> touches_under(render::Picker& picker, const stage::Camera& camera,
                                  std::span<const glm::dvec2> pixels) {
     std::vector<PickRay> rays;
-    for (size_t i = 0; i < pixels.size(); i++) {
+    for (size_t i = 0; i < pixels.size(); ++i) {
         const glm::dvec2 from = pixels[i == 0 ? 0 : i - 1];
         // One ray per pixel. The number of rays is limited, because lines that are much longer than the image have
         // nothing to pick.
         const double length = std::min(std::ceil(glm::distance(from, pixels[i])), 4.0 * (camera.width + camera.height));
         const auto steps = static_cast<size_t>(std::max(length, 1.0));
-        for (size_t step = 1; step <= steps; step++)
+        for (size_t step = 1; step <= steps; ++step)
             rays.push_back(render::pick_ray(
                 camera, glm::mix(from, pixels[i], static_cast<double>(step) / static_cast<double>(steps))));
     }
@@ -68,7 +68,7 @@ std::vector<Touch> touches_under(render::Picker& picker, const stage::Camera& ca
                                       middles = picker.pick(rays, kTouchMiddle);
     const std::vector<render::Picked> far = picker.pick(rays, kTouchBack), farther = picker.pick(rays);
     std::vector<Touch> touches;
-    for (size_t i = 0; i < rays.size(); i++) {
+    for (size_t i = 0; i < rays.size(); ++i) {
         if (!middles[i].hit()) continue;
         const auto point_at = [&](const render::Picked& picked) {
             return glm::vec3(rays[i].origin) + picked.distance_m * glm::vec3(rays[i].direction);
@@ -90,12 +90,12 @@ std::vector<voctree::LeafEdit> stroke(const Canvas& canvas, std::span<const floa
     const Region bounds = box_region(low - brush.radius_m, high + brush.radius_m);
     std::vector<float> covered(sigma.size());
     parallel_for(sigma.size(), 1024, [&](size_t begin, size_t end) {
-        for (size_t leaf = begin; leaf < end; leaf++)
+        for (size_t leaf = begin; leaf < end; ++leaf)
             if (sigma[leaf] > 0 && bounds(canvas.middles[leaf]))
                 covered[leaf] = coverage(brush, distance_to_stroke(canvas.middles[leaf], touches, brush.radius_m));
     });
     std::vector<voctree::LeafEdit> edits;
-    for (uint32_t leaf = 0; leaf < covered.size(); leaf++) {
+    for (uint32_t leaf = 0; leaf < covered.size(); ++leaf) {
         const float alpha = brush.alpha * covered[leaf];
         const float density = covered[leaf] >= 0.5f ? brush.sigma : voctree::kKeepSigma;
         if (alpha > 0 || density >= 0) edits.push_back({leaf, 0, 0, brush.colour, alpha, density});
@@ -124,7 +124,7 @@ glm::vec3 shifted(glm::vec3 colour, const ColourShift& shift) {
     // Turning changed the luminance: only the chroma of the result is kept, about the old luminance.
     const glm::vec3 chroma = shift.saturation * (turned - luminance(turned));
     float room = 1;  // the largest share of the chroma with which all channels stay within 0 to 1
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         if (grey + chroma[i] > 1) room = std::min(room, (1 - grey) / chroma[i]);
         if (grey + chroma[i] < 0) room = std::min(room, grey / -chroma[i]);
     }
@@ -146,7 +146,7 @@ std::vector<Shade> shades_of(const voctree::VOctree& tree, uint32_t leaf, std::s
                              std::span<const voctree::RowsAtTime> rows, const ColourShift& shift) {
     std::vector<Shade> shades;
     bool there = false;
-    for (size_t i = 0; i < frames.size(); i++) {
+    for (size_t i = 0; i < frames.size(); ++i) {
         const float sigma = density(tree, rows[i], leaf);
         const bool before = std::exchange(there, sigma > 0);
         if (!there) continue;
@@ -169,13 +169,13 @@ std::vector<Shade> shades_of(const voctree::VOctree& tree, uint32_t leaf, std::s
 std::vector<voctree::LeafEdit> shift_colours(const Canvas& canvas, std::span<const uint32_t> leaves, float first,
                                              float last, const ColourShift& shift) {
     std::vector<float> frames{first};
-    for (float frame = std::floor(first) + 1; frame < last; frame++) frames.push_back(frame);
+    for (float frame = std::floor(first) + 1; frame < last; ++frame) frames.push_back(frame);
     if (last > first) frames.push_back(last);
     std::vector<voctree::RowsAtTime> rows;
     for (const float frame : frames) rows.emplace_back(canvas.tree, double{frame});
     std::vector<std::vector<voctree::LeafEdit>> of_leaf(leaves.size());
     parallel_for(leaves.size(), 1024, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++)
+        for (size_t i = begin; i < end; ++i)
             for (const Shade& shade : shades_of(canvas.tree, leaves[i], frames, rows, shift))
                 of_leaf[i].push_back({leaves[i], shade.first, shade.last, shade.sum / shade.weight, 1});
     });

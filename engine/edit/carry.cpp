@@ -51,7 +51,7 @@ class EditsInSpace {
 voctree::LeafEdit edit_in_leaf(const EditsInSpace& edits, glm::vec3 middle, glm::vec3 edges, int side) {
     voctree::LeafEdit result;
     float densities = 0, sum = 0;
-    for (int i = 0; i < side * side * side; i++) {
+    for (int i = 0; i < side * side * side; ++i) {
         const glm::vec3 cell(i % side, i / side % side, i / (side * side));
         const voctree::LeafEdit* edit = edits.at(middle + edges * ((cell + 0.5f) / static_cast<float>(side) - 0.5f));
         if (!edit) continue;
@@ -60,7 +60,7 @@ voctree::LeafEdit edit_in_leaf(const EditsInSpace& edits, glm::vec3 middle, glm:
             result.colour = edit->colour;
         }
         if (edit->sigma < 0) continue;
-        densities++;
+        ++densities;
         sum += edit->sigma;
     }
     if (2 * densities >= static_cast<float>(side * side * side)) result.sigma = sum / densities;
@@ -74,7 +74,7 @@ std::vector<voctree::LeafEdit> carried(const Canvas& from, std::span<const voctr
     std::vector<voctree::LeafEdit> of_leaf(to.tree.leaf_count);
     const glm::vec3 shape = to.tree.box_size * (3 / (to.tree.box_size.x + to.tree.box_size.y + to.tree.box_size.z));
     parallel_for(of_leaf.size(), kLeavesAtOnce, [&](size_t begin, size_t end) {
-        for (size_t leaf = begin; leaf < end; leaf++) {
+        for (size_t leaf = begin; leaf < end; ++leaf) {
             const float edge_m = to.edges_m[leaf];
             if (!in_space.may_meet(to.middles[leaf], edge_m)) continue;
             const int side = std::clamp(static_cast<int>(std::ceil(edge_m / in_space.smallest_edge_m())), 2, 4);

@@ -106,7 +106,7 @@ std::vector<KeptVersion> save_document(Document& document, const std::filesystem
 
 std::filesystem::path free_path(const std::filesystem::path& preferred) {
     std::filesystem::path path = preferred;
-    for (int number = 2; std::filesystem::exists(path); number++)
+    for (int number = 2; std::filesystem::exists(path); ++number)
         path = preferred.parent_path() /
                fmt::format("{}-{}{}", preferred.stem().string(), number, preferred.extension().string());
     return path;

@@ -20,10 +20,10 @@ std::optional<LightValues> light_on(const stage::StageFile& file, uint32_t node)
     const ordered_json& light = lights->at("lights").at(reference->at("light").get<size_t>());
     LightValues values;
     const std::string kind = light.value("type", "");
-    for (size_t i = 0; i < std::size(kLightKindNames); i++)
+    for (size_t i = 0; i < std::size(kLightKindNames); ++i)
         if (kind == kLightKindNames[i]) values.kind = static_cast<stage::GltfLightKind>(i);
     if (const ordered_json* color = find_member(light, "color"))
-        for (int i = 0; i < 3; i++) values.color[i] = color->at(static_cast<size_t>(i)).get<double>();
+        for (int i = 0; i < 3; ++i) values.color[i] = color->at(static_cast<size_t>(i)).get<double>();
     values.intensity = light.value("intensity", values.intensity);
     values.range_m = light.value("range", values.range_m);
     if (const ordered_json* spot = find_member(light, "spot"); spot && spot->is_object()) {

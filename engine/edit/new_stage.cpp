@@ -32,8 +32,8 @@ struct Floor {
 // One square of a floor: grey, with a brighter line along its edges.
 std::string square_image() {
     media::Image image(kSquare_px, kSquare_px);
-    for (uint32_t y = 0; y < kSquare_px; y++)
-        for (uint32_t x = 0; x < kSquare_px; x++) {
+    for (uint32_t y = 0; y < kSquare_px; ++y)
+        for (uint32_t x = 0; x < kSquare_px; ++x) {
             const uint32_t edge = std::min({x, y, kSquare_px - 1 - x, kSquare_px - 1 - y});
             const uint8_t grey = edge < kLine_px / 2 ? 150 : 96;
             const uint8_t pixel[] = {grey, grey, grey, 255};

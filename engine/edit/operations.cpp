@@ -25,12 +25,12 @@ std::optional<LocalTransform> decomposed(const glm::dmat4& matrix) {
     LocalTransform transform;
     transform.translation = glm::dvec3(matrix[3]);
     glm::dmat3 turn(matrix);
-    for (int axis = 0; axis < 3; axis++) {
+    for (int axis = 0; axis < 3; ++axis) {
         transform.scale[axis] = glm::length(turn[axis]);
         if (!(transform.scale[axis] > 0)) return std::nullopt;
         turn[axis] /= transform.scale[axis];
     }
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; ++axis)
         if (std::abs(glm::dot(turn[axis], turn[(axis + 1) % 3])) > kSheared) return std::nullopt;
     if (glm::determinant(turn) < 0) {
         transform.scale.x = -transform.scale.x;
@@ -217,7 +217,7 @@ std::string place_node(stage::StageFile& file, uint32_t node, const Placement& p
         if (transform.has_matrix) {
             // The axes keep their lengths; shear is lost.
             const glm::dmat4 turn = glm::mat4_cast(rotation_towards(direction));
-            for (int axis = 0; axis < 3; axis++)
+            for (int axis = 0; axis < 3; ++axis)
                 transform.matrix[axis] = glm::length(glm::dvec3(transform.matrix[axis])) * turn[axis];
         } else {
             transform.rotation = rotation_towards(direction);

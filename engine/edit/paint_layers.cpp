@@ -35,7 +35,7 @@ std::filesystem::path free_paint_path(const Document& document, uint32_t node) {
         if (!std::isalnum(static_cast<unsigned char>(letter)) && static_cast<unsigned char>(letter) < 0x80)
             letter = '-';
     const std::filesystem::path folder = stage::absolute_path(document.file.path).parent_path();
-    for (uint32_t number = 1;; number++) {
+    for (uint32_t number = 1;; ++number) {
         const std::string name = number == 1 ? stem + ".nvpaint" : fmt::format("{}-{}.nvpaint", stem, number);
         const std::filesystem::path path = paint_path(document.file, stage::uri_of_file(document.file, folder / name));
         std::error_code error;
@@ -47,14 +47,14 @@ std::filesystem::path free_paint_path(const Document& document, uint32_t node) {
 
 std::set<std::filesystem::path> used_layers(const stage::StageFile& file) {
     std::set<std::filesystem::path> used;
-    for (uint32_t node = 0; node < node_count(file); node++)
+    for (uint32_t node = 0; node < node_count(file); ++node)
         for (const ListedLayer& layer : paint_layers_of(file, node).value_or(std::vector<ListedLayer>{}))
             used.insert(layer.path);
     return used;
 }
 
 bool is_shared(const stage::StageFile& file, uint32_t node, const std::filesystem::path& path) {
-    for (uint32_t other = 0; other < node_count(file); other++) {
+    for (uint32_t other = 0; other < node_count(file); ++other) {
         if (other == node) continue;
         const auto used = paint_layers_of(file, other).value_or(std::vector<ListedLayer>{});
         if (std::any_of(used.begin(), used.end(), [&](const ListedLayer& one) { return one.path == path; }))

@@ -31,8 +31,8 @@ DepthMap depth_map(render::Picker& picker, const stage::Camera& camera, uint32_t
     std::vector<PickRay> rays;
     for (uint32_t first = 0; first < map.height; first += kRows) {
         rays.clear();
-        for (uint32_t y = first; y < std::min(first + kRows, map.height); y++)
-            for (uint32_t x = 0; x < map.width; x++) rays.push_back(render::pick_ray(camera, map.pixel(x, y)));
+        for (uint32_t y = first; y < std::min(first + kRows, map.height); ++y)
+            for (uint32_t x = 0; x < map.width; ++x) rays.push_back(render::pick_ray(camera, map.pixel(x, y)));
         for (const render::Picked& picked : picker.pick(rays))
             map.distance_m.push_back(picked.hit() ? picked.distance_m : kInfinity);
     }
@@ -68,12 +68,12 @@ RayCell ray_cell(const stage::Camera& camera, const glm::dvec3& direction) {
 uint32_t rays_per_pixel_side(render::Picker& picker, const Canvas& canvas, std::span<const float> sigma,
                              const stage::Camera& camera) {
     float edge = kInfinity;
-    for (size_t leaf = 0; leaf < sigma.size(); leaf++)
+    for (size_t leaf = 0; leaf < sigma.size(); ++leaf)
         if (sigma[leaf] > 0) edge = std::min(edge, canvas.edges_m[leaf]);
     const DepthMap coarse = depth_map(picker, camera, 1);
     double pixel_m = INFINITY;  // the smallest spacing of pixels at the surface
-    for (uint32_t y = 0; y < coarse.height; y++)
-        for (uint32_t x = 0; x < coarse.width; x++) {
+    for (uint32_t y = 0; y < coarse.height; ++y)
+        for (uint32_t x = 0; x < coarse.width; ++x) {
             const double distance = double{coarse.distance_m[size_t{y} * coarse.width + x]};
             if (distance == double{kInfinity}) continue;
             const glm::dvec3 line = view_line(camera, coarse.pixel(x, y));
@@ -146,7 +146,7 @@ struct Projector {
     // Whether a ray meets a cube around the leaf's middle.
     static bool meets(const Footprint& leaf, const glm::dvec3& direction, double half_edge) {
         double enter = 0, leave = double{kInfinity};
-        for (int axis = 0; axis < 3; axis++) {
+        for (int axis = 0; axis < 3; ++axis) {
             const double inverse = 1 / direction[axis];
             const double a = (leaf.to_middle[axis] - half_edge) * inverse,
                          b = (leaf.to_middle[axis] + half_edge) * inverse;
@@ -188,13 +188,13 @@ struct Projector {
         const bool narrow = leaf.edge * std::max(leaf.pixels_per_m.x, leaf.pixels_per_m.y) < 1;
         glm::dvec4 sum(0);
         double count = 0;
-        for (double y = low.y; y <= high.y; y++)
-            for (double x = low.x; x <= high.x; x++) {
+        for (double y = low.y; y <= high.y; ++y)
+            for (double x = low.x; x <= high.x; ++x) {
                 const auto column = static_cast<uint32_t>(x), row = static_cast<uint32_t>(y);
                 const glm::dvec2 pixel = map.pixel(column, row);
                 if (!counts(leaf, pixel, double{map.distance_m[size_t{row} * map.width + column]})) continue;
                 sum += glm::dvec4(image_at(image, glm::vec2(narrow ? leaf.pixel : pixel)));
-                count++;
+                ++count;
             }
         return count > 0 ? glm::vec4(sum / count) : glm::vec4(0);
     }
@@ -209,11 +209,11 @@ std::vector<voctree::LeafEdit> project(render::Picker& picker, const Canvas& can
     const Projector projector(canvas, image, camera, map);
     std::vector<glm::vec4> colours(sigma.size());
     parallel_for(colours.size(), 1024, [&](size_t begin, size_t end) {
-        for (size_t leaf = begin; leaf < end; leaf++)
+        for (size_t leaf = begin; leaf < end; ++leaf)
             if (sigma[leaf] > 0) colours[leaf] = projector.colour_of(static_cast<uint32_t>(leaf));
     });
     std::vector<voctree::LeafEdit> edits;
-    for (uint32_t leaf = 0; leaf < colours.size(); leaf++) {
+    for (uint32_t leaf = 0; leaf < colours.size(); ++leaf) {
         const float alpha = std::min(colours[leaf].a, 1.0f);
         if (alpha < 1.0f / 512) continue;
         edits.push_back({leaf, 0, 0, glm::clamp(glm::vec3(colours[leaf]) / alpha, 0.0f, 1.0f), alpha});

@@ -45,7 +45,7 @@ std::filesystem::path clip_of(const stage::StageFile& file, uint32_t node) {
 std::vector<std::filesystem::path> clips_of(const stage::StageFile& file) {
     const std::vector<bool> in_scene = nodes_in_scene(file);
     std::vector<std::filesystem::path> clips;
-    for (uint32_t node = 0; node < node_count(file); node++) {
+    for (uint32_t node = 0; node < node_count(file); ++node) {
         if (!in_scene[node] || kind_of(file, node) != NodeKind::kPerformer) continue;
         std::filesystem::path clip = clip_of(file, node);
         if (std::ranges::find(clips, clip) == clips.end()) clips.push_back(std::move(clip));

@@ -16,13 +16,13 @@ constexpr size_t kGrain = 4096;  // leaves that a thread processes at once
 
 float dot(const std::vector<float>& row, const float* weights) {
     float sum = 0;
-    for (size_t c = 0; c < row.size(); c++) sum += row[c] * weights[c];
+    for (size_t c = 0; c < row.size(); ++c) sum += row[c] * weights[c];
     return sum;
 }
 
 std::vector<uint32_t> marked(const std::vector<uint8_t>& marks) {
     std::vector<uint32_t> leaves;
-    for (uint32_t leaf = 0; leaf < marks.size(); leaf++)
+    for (uint32_t leaf = 0; leaf < marks.size(); ++leaf)
         if (marks[leaf]) leaves.push_back(leaf);
     return leaves;
 }
@@ -36,10 +36,10 @@ std::vector<Span> opaque_runs(const Canvas& canvas, uint32_t leaf, const EditFra
     std::vector<float> sigma(count);
     voctree::density_of_frames(canvas.tree.leaf(leaf), canvas.rows, sigma);
     std::vector<Span> runs;
-    for (uint32_t frame = 0; frame < count; frame++) {
+    for (uint32_t frame = 0; frame < count; ++frame) {
         if (!(sigma[frame] > threshold)) continue;
         uint32_t end = frame;
-        while (end + 1 < count && sigma[end + 1] > threshold) end++;
+        while (end + 1 < count && sigma[end + 1] > threshold) ++end;
         const auto first = static_cast<float>(frame), last = static_cast<float>(end);
         const Span run(frame == 0 ? 0 : std::nextafter(first - 1, first),
                        end + 1 == count ? last : std::nextafter(last + 1, last));
@@ -83,7 +83,7 @@ std::vector<float> densities(const Canvas& canvas, float frame, std::span<const 
     const voctree::RowsAtTime rows(tree, double{frame});
     std::vector<float> sigma(tree.leaf_count);
     parallel_for(sigma.size(), kGrain, [&](size_t begin, size_t end) {
-        for (size_t leaf = begin; leaf < end; leaf++) sigma[leaf] = density(tree, rows, static_cast<uint32_t>(leaf));
+        for (size_t leaf = begin; leaf < end; ++leaf) sigma[leaf] = density(tree, rows, static_cast<uint32_t>(leaf));
     });
     for (const render::PaintUse& use : paint)
         for (const voctree::LeafEdit& edit : use.layer->edits)
@@ -104,10 +104,10 @@ glm::vec3 mean_colour(const voctree::VOctree& tree, const voctree::RowsAtTime& r
     const float radial[] = {1, 2 * c, 4 * c * c - 1, 8 * c * c * c - 4 * c};
     constexpr uint32_t kFunction[] = {0, 1, 5, 14};
     glm::vec3 colour;
-    for (uint32_t channel = 0; channel < 3; channel++) {
+    for (uint32_t channel = 0; channel < 3; ++channel) {
         const float* hh = weights + 2 * tree.bases + channel * hh_count(tree.hh_degree);
         float k = 0;
-        for (uint32_t n = 0; n <= tree.hh_degree; n++) k += std::sqrt(2 / kPi) * radial[n] * hh[kFunction[n]];
+        for (uint32_t n = 0; n <= tree.hh_degree; ++n) k += std::sqrt(2 / kPi) * radial[n] * hh[kFunction[n]];
         colour[static_cast<int>(channel)] = voctree::sigmoid(kY00 * k);
     }
     return colour;
@@ -137,7 +137,7 @@ Region without(Region a, Region b) {
 
 std::vector<uint32_t> all_leaves_in(const Canvas& canvas, const Region& region) {
     std::vector<uint32_t> leaves;
-    for (uint32_t leaf = 0; leaf < canvas.tree.leaf_count; leaf++)
+    for (uint32_t leaf = 0; leaf < canvas.tree.leaf_count; ++leaf)
         if (region(canvas.middles[leaf])) leaves.push_back(leaf);
     return leaves;
 }
@@ -147,11 +147,11 @@ std::vector<uint32_t> leaves_in(const Canvas& canvas, const Region& region, floa
     std::vector<std::vector<float>> rows;
     const voctree::VOctree& tree = canvas.tree;
     for (const float frame : {first, last}) rows.push_back(voctree::RowsAtTime(tree, double{frame}).sigma);
-    for (float frame = std::floor(first) + 1; frame < last; frame++)
+    for (float frame = std::floor(first) + 1; frame < last; ++frame)
         rows.push_back(voctree::RowsAtTime(tree, double{frame}).sigma);
     std::vector<uint8_t> live(tree.leaf_count);
     parallel_for(live.size(), kGrain, [&](size_t begin, size_t end) {
-        for (size_t leaf = begin; leaf < end; leaf++)
+        for (size_t leaf = begin; leaf < end; ++leaf)
             live[leaf] = region(canvas.middles[leaf]) && std::any_of(rows.begin(), rows.end(), [&](const auto& row) {
                              return dot(row, tree.leaf(static_cast<uint32_t>(leaf))) > 0;
                          });
@@ -194,7 +194,7 @@ std::vector<voctree::LeafEdit> extend_between_frames(std::vector<voctree::LeafEd
     });
     constexpr float kEver = std::numeric_limits<float>::infinity();
     const std::vector<voctree::LeafEdit> given = edits;
-    for (size_t i = 0; i < given.size(); i++) {
+    for (size_t i = 0; i < given.size(); ++i) {
         const voctree::LeafEdit& edit = given[i];
         const float before = i > 0 && given[i - 1].leaf == edit.leaf ? given[i - 1].last : -kEver;
         const float after = i + 1 < given.size() && given[i + 1].leaf == edit.leaf ? given[i + 1].first : kEver;

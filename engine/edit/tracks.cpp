@@ -51,7 +51,7 @@ bool freezes(const stage::TimeOperator& op) {
 // offsets.
 size_t before_start(const stage::TimeMap& map) {
     size_t at = map.size();
-    while (at > 0 && (map[at - 1].verb == stage::TimeVerb::kOffset || map[at - 1].verb == stage::TimeVerb::kHold)) at--;
+    while (at > 0 && (map[at - 1].verb == stage::TimeVerb::kOffset || map[at - 1].verb == stage::TimeVerb::kHold)) --at;
     return at;
 }
 
@@ -60,7 +60,7 @@ stage::TimeMap with_stop(stage::TimeMap map, const ClipRate& clip, stage::TimeVe
                          double seconds) {
     const size_t at = before_start(map);
     double start_s = 0;
-    for (size_t i = at; i < map.size(); i++)
+    for (size_t i = at; i < map.size(); ++i)
         if (map[i].verb == stage::TimeVerb::kOffset)
             start_s += map[i].a.frames ? map[i].a.value / clip.fps : map[i].a.value;
     stage::TimeOperator op;
@@ -76,7 +76,7 @@ stage::TimeMap with_stop(stage::TimeMap map, const ClipRate& clip, stage::TimeVe
 std::vector<PerformerTrack> performer_tracks(const stage::StageFile& file, const std::vector<stage::StageClip>& clips) {
     std::vector<PerformerTrack> tracks;
     const std::vector<bool> in_scene = nodes_in_scene(file);
-    for (uint32_t node = 0; node < in_scene.size(); node++) {
+    for (uint32_t node = 0; node < in_scene.size(); ++node) {
         const auto settings = in_scene[node] ? performer_on(file, node) : std::nullopt;
         if (!settings) continue;
         if (auto track = track_of(file, node, *settings, clips)) tracks.push_back(std::move(*track));
@@ -101,10 +101,10 @@ std::string stagger_together(stage::StageFile& file, const std::vector<stage::St
     const std::filesystem::path clip = own->clip;
     std::erase_if(same, [&](const PerformerTrack& track) { return track.clip != clip; });
     size_t order = 0;
-    while (same[order].node != node) order++;
+    while (same[order].node != node) ++order;
     const size_t first = order == 0 ? 1 : 0;
     const double step_s = by_s / static_cast<double>(order + first);
-    for (size_t i = 0; i < same.size(); i++) {
+    for (size_t i = 0; i < same.size(); ++i) {
         PerformerEdit change;
         change.time = moved(same[i].map, same[i].rate, static_cast<double>(i + first) * step_s);
         set_performer(file, same[i].node, change);

@@ -26,7 +26,7 @@ bool BlockGrid::drawn(double milliseconds) {
         return true;
     }
     total_ms_ += milliseconds;
-    blocks_++;
+    ++blocks_;
     if (finer_is_useless_ || milliseconds <= kTooLong * target_ms_ || 2 * side_ > kMaxSide) return false;
     coarser_ms_ = milliseconds;
     total_ms_ = 0;

@@ -24,7 +24,7 @@ inline Block block_of(stage::Camera camera, uint32_t i, uint32_t side) {
 // The smallest side of a grid whose blocks have no more than width × height pixels.
 inline uint32_t min_grid_side(const stage::Camera& camera, uint32_t width, uint32_t height) {
     uint32_t side = 1;
-    while ((camera.width + side - 1) / side > width || (camera.height + side - 1) / side > height) side++;
+    while ((camera.width + side - 1) / side > width || (camera.height + side - 1) / side > height) ++side;
     return side;
 }
 

@@ -31,7 +31,7 @@ std::string also_changed(const edit::Document& document, const std::filesystem::
 
 void DocumentSaver::save(const std::filesystem::path& path, Done done) {
     editor_.end_drag();
-    saving_++;
+    ++saving_;
     auto document = std::make_shared<edit::Document>(editor_.document());
     jobs_.start(fmt::format("Saving {}", path.filename().string()),
                 [this, document, path, id = editor_.id(), open_count = editor_.open_count(),
@@ -44,7 +44,7 @@ void DocumentSaver::save(const std::filesystem::path& path, Done done) {
                         problem = error.what();
                     }
                     return [=, this] {
-                        saving_--;
+                        --saving_;
                         if (!problem.empty()) return editor_.notify(problem, true);
                         editor_.saved(*document, open_count, id);
                         if (!editor_.modified()) autosave.forget();

@@ -17,7 +17,7 @@ void Editor::open(edit::Document document, bool modified) {
     selected_.reset();
     before_drag_.reset();
     open_ = true;
-    open_count_++;
+    ++open_count_;
     changed();
     untold_from_ = id_;
 }
@@ -152,7 +152,7 @@ size_t Editor::node_count() const {
 }
 
 void Editor::changed() {
-    id_++;
+    ++id_;
     if (selected_ && *selected_ >= node_count()) selected_.reset();
 }
 

@@ -53,7 +53,7 @@ std::optional<uint32_t> PaintCarrier::next() {
 // From one segment to the next; from the last one, to the one before the segment that is seen. False: there is none.
 bool PaintCarrier::step() {
     if (direction_ > 0 && number_ + 1 < index_.segments.size()) {
-        number_++;
+        ++number_;
         return true;
     }
     if (direction_ > 0) {
@@ -62,7 +62,7 @@ bool PaintCarrier::step() {
         last_ = {seen_clip_, seen_edits_};
     }
     if (number_ == 0) return false;
-    number_--;
+    --number_;
     return true;
 }
 

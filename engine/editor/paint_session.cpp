@@ -116,21 +116,21 @@ ReadPerformer read_performer(const PaintPlace& place, std::shared_ptr<const Pain
 media::Image downscaled(const media::Image& image, uint32_t factor) {
     if (factor <= 1) return image;
     media::Image small((image.width + factor - 1) / factor, (image.height + factor - 1) / factor);
-    for (uint32_t y = 0; y < small.height; y++)
-        for (uint32_t x = 0; x < small.width; x++) {
+    for (uint32_t y = 0; y < small.height; ++y)
+        for (uint32_t x = 0; x < small.width; ++x) {
             glm::vec4 sum(0);  // premultiplied, linear
             float count = 0;
-            for (uint32_t row = y * factor; row < std::min((y + 1) * factor, image.height); row++)
-                for (uint32_t column = x * factor; column < std::min((x + 1) * factor, image.width); column++) {
+            for (uint32_t row = y * factor; row < std::min((y + 1) * factor, image.height); ++row)
+                for (uint32_t column = x * factor; column < std::min((x + 1) * factor, image.width); ++column) {
                     const uint8_t* rgba = image.at(column, row);
                     const float alpha = static_cast<float>(rgba[3]) / 255;
                     const glm::vec3 colour(media::linear_from_srgb_byte(rgba[0]), media::linear_from_srgb_byte(rgba[1]),
                                            media::linear_from_srgb_byte(rgba[2]));
                     sum += glm::vec4(alpha * colour, alpha);
-                    count++;
+                    ++count;
                 }
             uint8_t* to = small.at(x, y);
-            for (int c = 0; c < 3; c++) to[c] = media::srgb_byte_from_linear(sum.a > 0 ? sum[c] / sum.a : 0);
+            for (int c = 0; c < 3; ++c) to[c] = media::srgb_byte_from_linear(sum.a > 0 ? sum[c] / sum.a : 0);
             to[3] = static_cast<uint8_t>(std::lround(255 * sum.a / count));
         }
     return small;

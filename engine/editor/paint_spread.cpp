@@ -181,7 +181,7 @@ SpreadPaint spread_region(const PaintPlace& seen, const PaintOperation& operatio
         return frames_in(operation.frames, seen.index->segments[segment]);
     };
     return {[=]() -> std::optional<uint32_t> {
-                for (uint32_t next = *number ? **number + 1 : 0; next < seen.index->segments.size(); next++) {
+                for (uint32_t next = *number ? **number + 1 : 0; next < seen.index->segments.size(); ++next) {
                     *number = next;
                     if (next != seen.number && frames(next).first <= frames(next).last) return next;
                 }

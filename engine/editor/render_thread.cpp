@@ -363,7 +363,7 @@ void RenderThread::load(const std::shared_ptr<const edit::Document>& document, u
         state_.stage = stage_;
         state_.stage_id = id;
         state_.leaf_boxes.clear();
-        for (uint32_t clip = 0; clip < stage_->clips.size(); clip++)
+        for (uint32_t clip = 0; clip < stage_->clips.size(); ++clip)
             state_.leaf_boxes.push_back(renderer_->leaf_box(clip));
         state_.displayed.finished = false;
     }

@@ -28,7 +28,7 @@ double distance_to_triangle(const PieceRay& ray, glm::dvec3 a, glm::dvec3 b, glm
 // Whether a ray comes into a box nearer than `within`. The box may be flat.
 bool meets_box(const PieceRay& ray, glm::vec3 low, glm::vec3 high, double within) {
     double enters = 0, leaves = within;
-    for (int axis = 0; axis < 3; axis++) {
+    for (int axis = 0; axis < 3; ++axis) {
         const double from = ray.origin[axis], each = 1 / ray.direction[axis];
         const auto lower = static_cast<double>(low[axis]), upper = static_cast<double>(high[axis]);
         if (ray.direction[axis] == 0) {
@@ -46,7 +46,7 @@ bool meets_box(const PieceRay& ray, glm::vec3 low, glm::vec3 high, double within
 // visited.
 template <typename Visit>
 bool visit_drawn(const stage::GltfScene& scene, const Visit& visit) {
-    for (uint32_t node = 0; node < scene.nodes.size(); node++) {
+    for (uint32_t node = 0; node < scene.nodes.size(); ++node) {
         if (!scene.nodes[node].draws_mesh()) continue;
         const auto mesh = static_cast<size_t>(scene.nodes[node].mesh);
         for (const stage::GltfPrimitive& primitive : scene.meshes[mesh].primitives)
@@ -86,7 +86,7 @@ void SetSurface::bound(Piece& piece) {
     constexpr size_t kCorners = 3 * kRun;
     piece.runs.assign((indices.size() + kCorners - 1) / kCorners, {});
     piece.bounds = {};
-    for (size_t i = 0; i < indices.size(); i++) {
+    for (size_t i = 0; i < indices.size(); ++i) {
         Bounds& run = piece.runs[i / kCorners];
         run.low = glm::min(run.low, positions[indices[i]]);
         run.high = glm::max(run.high, positions[indices[i]]);
@@ -134,7 +134,7 @@ void SetSurface::meet_piece(const Piece& piece, const Ray& ray, SetHit& nearest)
     if (!meets_box(local, piece.bounds.low, piece.bounds.high, nearest.distance_m)) return;
     const std::vector<uint32_t>& indices = piece.primitive->indices;
     const std::vector<glm::vec3>& positions = piece.positions();
-    for (size_t run = 0; run < piece.runs.size(); run++) {
+    for (size_t run = 0; run < piece.runs.size(); ++run) {
         if (!meets_box(local, piece.runs[run].low, piece.runs[run].high, nearest.distance_m)) continue;
         const size_t end = std::min(indices.size(), 3 * kRun * (run + 1));
         for (size_t i = 3 * kRun * run; i + 2 < end; i += 3) {

@@ -128,10 +128,10 @@ class SoundPlayer::Output {
             alSourcef(source_, AL_GAIN, distance_gain);
             ALint played = 0, state = 0;
             alGetSourcei(source_, AL_BUFFERS_PROCESSED, &played);
-            for (; played > 0; played--) {
+            for (; played > 0; --played) {
                 ALuint buffer = 0;
                 alSourceUnqueueBuffers(source_, 1, &buffer);
-                hops_played_++;
+                ++hops_played_;
                 fill(buffer);
             }
             alGetSourcei(source_, AL_SOURCE_STATE, &state);
@@ -151,7 +151,7 @@ class SoundPlayer::Output {
             std::array<media::StereoSample, kSoundHop> stereo{};
             heard_.add_hop(stereo, gain_);
             std::array<int16_t, kSoundHop> mono;
-            for (size_t i = 0; i < kSoundHop; i++)
+            for (size_t i = 0; i < kSoundHop; ++i)
                 mono[i] = static_cast<int16_t>(
                     std::lround(32767 * std::clamp((stereo[i][0] + stereo[i][1]) / 2, -1.0f, 1.0f)));
             alBufferData(buffer, AL_FORMAT_MONO16, mono.data(), sizeof mono, kSoundRate);

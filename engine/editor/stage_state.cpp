@@ -28,7 +28,7 @@ void StageState::evaluate() {
 
 std::optional<uint32_t> StageState::selected_performer() const {
     if (!stage || !editor.selected()) return std::nullopt;
-    for (uint32_t i = 0; i < stage->performers.size(); i++)
+    for (uint32_t i = 0; i < stage->performers.size(); ++i)
         if (stage->performers[i].node == *editor.selected()) return i;
     return std::nullopt;
 }
@@ -78,7 +78,7 @@ void move_node(stage::EvaluatedStage& evaluated, const stage::Stage& stage, uint
             if (static_cast<uint32_t>(at) == node) return true;
         return false;
     };
-    for (uint32_t i = 0; i < nodes.size(); i++)
+    for (uint32_t i = 0; i < nodes.size(); ++i)
         if (moves_along(i)) nodes[i] = moved * nodes[i];
     for (stage::EvaluatedPerformer& performer : evaluated.performers)
         if (moves_along(stage.performers[performer.performer].node))

@@ -35,7 +35,7 @@ std::string key_of(const DeviceSummary& device) {
 // Entries whose chains lead everywhere, while eight neighbours stay together, as rays do.
 std::vector<glm::uvec2> chained_entries() {
     std::vector<glm::uvec2> entries(kSpeedElements);
-    for (uint32_t i = 0; i < kSpeedElements; i++) {
+    for (uint32_t i = 0; i < kSpeedElements; ++i) {
         const uint32_t next = (i / 8 * 2654435761u >> 7) % (kSpeedElements / 8);
         entries[i] = {8 * next + i % 8, 0};
     }
@@ -106,7 +106,7 @@ ProfileTimes measure_profiles(const Device& device) {
     storage.milliseconds(commands, threads);
     while (texel.milliseconds(commands, threads) < kLongEnoughMs && threads < kMostThreads) threads *= 2;
     ProfileTimes best{kMostMs, kMostMs};
-    for (int i = 0; i < kTurns; i++) {
+    for (int i = 0; i < kTurns; ++i) {
         best.texel_ms = std::min(best.texel_ms, texel.milliseconds(commands, threads));
         best.storage_ms = std::min(best.storage_ms, storage.milliseconds(commands, threads));
     }

@@ -157,7 +157,7 @@ void Commands::trace_passes() const {
                        device_.clock().host_time(nanoseconds(end)));
     };
     add(name_, first, last);
-    for (size_t i = 0; i < scopes_.size(); i++) add(scopes_[i], ticks[2 * i], ticks[2 * i + 1]);
+    for (size_t i = 0; i < scopes_.size(); ++i) add(scopes_[i], ticks[2 * i], ticks[2 * i + 1]);
 }
 
 double Commands::device_milliseconds() const {
@@ -171,7 +171,7 @@ std::vector<PassTime> Commands::pass_times() const {
     const std::vector<uint64_t> ticks = timestamps();
     const double milliseconds_per_tick = static_cast<double>(device_.limits().timestampPeriod) * 1e-6;
     std::vector<PassTime> times;
-    for (size_t i = 0; i < scopes_.size(); i++)
+    for (size_t i = 0; i < scopes_.size(); ++i)
         times.push_back({scopes_[i], static_cast<double>(ticks[2 * i + 1] - ticks[2 * i]) * milliseconds_per_tick});
     return times;
 }

@@ -13,7 +13,7 @@ BindingSet::BindingSet(const ComputePass& pass, const Bindings& buffers)
     : set_(pass.device(), pass.interface(), pass.set_layout(), pass.name()) {
     std::vector<VkDescriptorBufferInfo> infos(pass.interface().bindings.size());
     std::vector<VkWriteDescriptorSet> writes;
-    for (size_t i = 0; i < infos.size(); i++) {
+    for (size_t i = 0; i < infos.size(); ++i) {
         const BindingSlot& slot = pass.interface().bindings[i];
         const auto found =
             std::find_if(buffers.begin(), buffers.end(), [&](auto& b) { return b.first == slot.binding; });

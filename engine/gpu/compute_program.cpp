@@ -15,7 +15,7 @@ VkPipeline make_pipeline(const Device& device, VkPipelineLayout layout, std::spa
                          const std::vector<uint32_t>& constants, const std::string& name) {
     const ShaderModule module(device, spirv, name);
     std::vector<VkSpecializationMapEntry> entries;
-    for (uint32_t i = 0; i < constants.size(); i++) entries.push_back({i, i * 4, 4});
+    for (uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, i * 4, 4});
     const VkSpecializationInfo specialisation{static_cast<uint32_t>(entries.size()), entries.data(),
                                               constants.size() * 4, constants.data()};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};

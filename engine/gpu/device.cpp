@@ -156,13 +156,13 @@ size_t pick(const std::vector<DeviceSummary>& devices, const std::string& choice
     size_t best = devices.size();
     if (!choice.empty()) {
         const bool number = std::all_of(choice.begin(), choice.end(), [](unsigned char c) { return std::isdigit(c); });
-        for (size_t i = 0; i < devices.size() && best == devices.size(); i++)
+        for (size_t i = 0; i < devices.size() && best == devices.size(); ++i)
             if (number ? std::to_string(i) == choice : lower(devices[i].name).find(lower(choice)) != std::string::npos)
                 best = i;
         if (best == devices.size())
             throw InputError("device", choice, "no Vulkan device has this index or name", "`neuvv devices` lists them");
     } else {
-        for (size_t i = 0; i < devices.size(); i++)
+        for (size_t i = 0; i < devices.size(); ++i)
             if (devices[i].missing.empty() && (best == devices.size() || rank(devices[i]) < rank(devices[best])))
                 best = i;
     }
@@ -295,7 +295,7 @@ void Device::create_device(const DeviceExtensions& extensions, const DeviceMaker
     std::vector<VkQueueFamilyProperties> families(count);
     vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, families.data());
     constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-    for (queue_family_ = 0; queue_family_ < count; queue_family_++)
+    for (queue_family_ = 0; queue_family_ < count; ++queue_family_)
         if ((families[queue_family_].queueFlags & kNeeded) == kNeeded) break;
     if (queue_family_ == count)
         throw RuntimeFailure(fmt::format("device \"{}\" has no queue for graphics and compute", summary_.name));
@@ -380,7 +380,7 @@ uint32_t Device::memory_type(uint32_t type_bits, VkMemoryPropertyFlags preferred
     VkPhysicalDeviceMemoryProperties memory{};
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory);
     for (const VkMemoryPropertyFlags flags : {preferred, required})
-        for (uint32_t i = 0; i < memory.memoryTypeCount; i++)
+        for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
             if ((type_bits >> i & 1) && (memory.memoryTypes[i].propertyFlags & flags) == flags) return i;
     throw RuntimeFailure(fmt::format("device \"{}\" has no memory type with flags {:#x}", summary_.name, required));
 }

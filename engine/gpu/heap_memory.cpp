@@ -19,13 +19,13 @@ HeapMemory heap_memory(VkPhysicalDevice physical) {
 
     HeapMemory heap;
     uint32_t largest = 0;
-    for (uint32_t i = 0; i < memory.memoryHeapCount; i++) {
+    for (uint32_t i = 0; i < memory.memoryHeapCount; ++i) {
         if (!(memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)) continue;
         if (memory.memoryHeaps[i].size <= heap.size) continue;
         heap.size = memory.memoryHeaps[i].size;
         largest = i;
     }
-    for (uint32_t i = 0; i < memory.memoryTypeCount; i++)
+    for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
         if (memory.memoryTypes[i].heapIndex == largest) heap.types |= 1u << i;
     if (!tells) return heap;
     heap.budget = budget.heapBudget[largest];

@@ -139,7 +139,7 @@ void upload_levels(const Device& device, const DeviceImage& image, std::span<con
     assert(levels.size() == image.shape.mip_levels && "one array a mip level");
     uint64_t bytes = 0;
     std::vector<VkBufferImageCopy> regions(levels.size());
-    for (uint32_t level = 0; level < levels.size(); level++) {
+    for (uint32_t level = 0; level < levels.size(); ++level) {
         regions[level].bufferOffset = bytes;
         regions[level].imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1};
         regions[level].imageExtent = {std::max(1u, image.shape.width >> level),
@@ -147,7 +147,7 @@ void upload_levels(const Device& device, const DeviceImage& image, std::span<con
         bytes += levels[level].size();
     }
     const Buffer staging(device, image.name + " upload", bytes, MemoryKind::kUpload);
-    for (size_t level = 0; level < levels.size(); level++)
+    for (size_t level = 0; level < levels.size(); ++level)
         std::memcpy(staging.as<uint8_t>() + regions[level].bufferOffset, levels[level].data(), levels[level].size());
     run_once(device, image.name + " upload", [&](Commands& commands) {
         move_layout(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);

@@ -50,7 +50,7 @@ ShaderInterface reflect(std::span<const uint32_t> spirv, const std::string& name
         const spvc_reflected_resource* list = nullptr;
         size_t count = 0;
         expect(spvc_resources_get_resource_list_for_type(resources, resource, &list, &count), name);
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; ++i)
             interface.bindings.push_back(
                 {spvc_compiler_get_decoration(compiler, list[i].id, SpvDecorationBinding), descriptor});
     }

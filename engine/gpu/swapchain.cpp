@@ -143,8 +143,8 @@ void Swapchain::resize(VkExtent2D framebuffer) {
 // There is one more semaphore for acquired images than images: such a semaphore is free again only after the frame that
 // waited for it.
 void Swapchain::make_semaphores() {
-    for (size_t i = 0; i <= images_.size(); i++) acquired_.push_back(make_semaphore(device_, "window acquired"));
-    for (size_t i = 0; i < images_.size(); i++) drawn_.push_back(make_semaphore(device_, "window drawn"));
+    for (size_t i = 0; i <= images_.size(); ++i) acquired_.push_back(make_semaphore(device_, "window acquired"));
+    for (size_t i = 0; i < images_.size(); ++i) drawn_.push_back(make_semaphore(device_, "window drawn"));
     next_acquired_ = 0;
 }
 

@@ -13,7 +13,7 @@ std::optional<uint32_t> TransferQueue::family_of(VkPhysicalDevice physical) {
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
     // Engines for videos can often copy, too, but are not made for it.
     constexpr VkQueueFlags kAllowed = VK_QUEUE_TRANSFER_BIT | VK_QUEUE_SPARSE_BINDING_BIT | VK_QUEUE_PROTECTED_BIT;
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; ++i)
         if ((families[i].queueFlags & VK_QUEUE_TRANSFER_BIT) && (families[i].queueFlags & ~kAllowed) == 0 &&
             families[i].queueCount > 0)
             return i;

@@ -27,7 +27,7 @@ struct Chart {
 // How deep two triangles overlap along the normals of the first one's edges: the least of them; ≤ 0: not at all.
 float overlap_along(const Flat& a, const Flat& b) {
     float least = std::numeric_limits<float>::max();
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         const glm::vec2 edge = a[(i + 1) % 3] - a[i];
         const float length = glm::length(edge);
         if (!(length > 0)) return 0;
@@ -65,8 +65,8 @@ class FlatGrid {
     void visit(const Flat& flat, const Each& each) const {
         const glm::ivec2 low(glm::floor(glm::min(glm::min(flat[0], flat[1]), flat[2]) / square_));
         const glm::ivec2 high(glm::floor(glm::max(glm::max(flat[0], flat[1]), flat[2]) / square_));
-        for (int y = low.y; y <= high.y; y++)
-            for (int x = low.x; x <= high.x; x++)
+        for (int y = low.y; y <= high.y; ++y)
+            for (int x = low.x; x <= high.x; ++x)
                 each(uint64_t{static_cast<uint32_t>(y)} << 32 | static_cast<uint32_t>(x));
     }
     float square_;
@@ -93,17 +93,17 @@ Charter::Charter(const TriangleMesh& mesh)
     std::unordered_map<uint64_t, uint32_t> of_edge;  // the triangle to whose left it is
     double edges_m = 0;
     const auto key = [](uint32_t a, uint32_t b) { return uint64_t{a} << 32 | b; };
-    for (uint32_t i = 0; i < mesh.triangles.size(); i++) {
+    for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
         const glm::uvec3& triangle = mesh.triangles[i];
         const glm::vec3 cross = cross_of(mesh, triangle);
         const float length = glm::length(cross);
         normals_.push_back(length > 0 ? cross / length : glm::vec3(0, 1, 0));
         edges_m += std::sqrt(double{length});
-        for (int k = 0; k < 3; k++) of_edge[key(triangle[k], triangle[(k + 1) % 3])] = i;
+        for (int k = 0; k < 3; ++k) of_edge[key(triangle[k], triangle[(k + 1) % 3])] = i;
     }
     if (edges_m > 0) square_ = static_cast<float>(1.5 * edges_m / static_cast<double>(mesh.triangles.size()));
-    for (uint32_t i = 0; i < mesh.triangles.size(); i++)
-        for (int k = 0; k < 3; k++) {
+    for (uint32_t i = 0; i < mesh.triangles.size(); ++i)
+        for (int k = 0; k < 3; ++k) {
             const auto found = of_edge.find(key(mesh.triangles[i][(k + 1) % 3], mesh.triangles[i][k]));
             neighbours_[i][static_cast<size_t>(k)] = found == of_edge.end() ? i : found->second;
         }
@@ -111,7 +111,7 @@ Charter::Charter(const TriangleMesh& mesh)
 
 Flat Charter::flat_of(const Chart& chart, uint32_t triangle) const {
     Flat flat;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const glm::vec3& position = mesh_.positions[mesh_.triangles[triangle][k]];
         flat[static_cast<size_t>(k)] = {glm::dot(chart.u, position), glm::dot(chart.v, position)};
     }
@@ -130,7 +130,7 @@ Chart Charter::grow(uint32_t seed, uint32_t number) {
     chart.triangles.push_back(seed);
     chart_of_[seed] = number;
     grid.add(flat_of(chart, seed));
-    for (size_t i = 0; i < chart.triangles.size(); i++)
+    for (size_t i = 0; i < chart.triangles.size(); ++i)
         for (const uint32_t next : neighbours_[chart.triangles[i]]) {
             if (chart_of_[next] != kNoChart || sign * normals_[next][axis] < kLeastCosine) continue;
             const Flat flat = flat_of(chart, next);
@@ -204,7 +204,7 @@ float pack_at_best(std::vector<Chart>& charts, uint32_t side_px, const std::func
     }
     const int side = static_cast<int>(side_px);
     float fits = 0, fails = static_cast<float>(2 * side / std::sqrt(std::max(area, 1e-20)));
-    for (int i = 0; i < kScaleSteps; i++) {
+    for (int i = 0; i < kScaleSteps; ++i) {
         between();
         const float middle = 0.5f * (fits + fails);
         (pack(charts, side, middle) ? fits : fails) = middle;
@@ -226,7 +226,7 @@ Nearest nearest_on(const Flat& flat, const glm::vec2& point) {
         if (at.x >= 0 && at.y >= 0 && at.x + at.y <= 1) return {at, 0};
     }
     Nearest best{{0, 0}, std::numeric_limits<float>::max()};
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         const glm::vec2 from = flat[i], edge = flat[(i + 1) % 3] - from;
         const float squared = glm::dot(edge, edge);
         const float part = squared > 0 ? std::clamp(glm::dot(point - from, edge) / squared, 0.0f, 1.0f) : 0.0f;
@@ -253,7 +253,7 @@ std::optional<MappedMesh> mapped(const TriangleMesh& mesh, uint32_t side_px, con
         const glm::vec2 first = glm::vec2(chart.first_px) + 0.5f * static_cast<float>(kAtlasGap_px);
         for (const uint32_t index : chart.triangles) {
             glm::uvec3 triangle;
-            for (int k = 0; k < 3; k++) {
+            for (int k = 0; k < 3; ++k) {
                 const uint32_t vertex = mesh.triangles[index][k];
                 const auto [found, is_new] = renamed.try_emplace(vertex, static_cast<uint32_t>(to.positions.size()));
                 triangle[k] = found->second;
@@ -275,14 +275,14 @@ std::vector<Texel> texels_of(const MappedMesh& mesh, uint32_t side_px) {
     const auto side = static_cast<float>(side_px);
     std::vector<Texel> texels(size_t{side_px} * side_px);
     std::vector<float> distances(texels.size(), kReach_px);
-    for (uint32_t i = 0; i < mesh.triangles.size(); i++) {
+    for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
         Flat flat;
-        for (int k = 0; k < 3; k++) flat[static_cast<size_t>(k)] = side * mesh.uvs[mesh.triangles[i][k]];
+        for (int k = 0; k < 3; ++k) flat[static_cast<size_t>(k)] = side * mesh.uvs[mesh.triangles[i][k]];
         const glm::vec2 low = glm::min(glm::min(flat[0], flat[1]), flat[2]) - kReach_px;
         const glm::vec2 high = glm::max(glm::max(flat[0], flat[1]), flat[2]) + kReach_px;
         const glm::ivec2 first(glm::max(glm::floor(low), 0.0f)), last(glm::min(glm::ceil(high), side - 1));
-        for (int y = first.y; y <= last.y; y++)
-            for (int x = first.x; x <= last.x; x++) {
+        for (int y = first.y; y <= last.y; ++y)
+            for (int x = first.x; x <= last.x; ++x) {
                 const Nearest nearest = nearest_on(flat, glm::vec2(x, y) + 0.5f);
                 const size_t texel = static_cast<size_t>(y) * side_px + static_cast<size_t>(x);
                 if (nearest.distance >= distances[texel]) continue;

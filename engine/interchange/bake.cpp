@@ -20,16 +20,16 @@ constexpr std::array<double, 4> kMeanOfDegree = {1, 2.0 / 3, 0.25, 0};
 std::array<float, kMaxShCount> mean_basis(const glm::vec3& direction) {
     const std::array<double, kMaxShCount> at = voctree::sh_basis(glm::dvec3(direction));
     std::array<float, kMaxShCount> mean{};
-    for (size_t l = 0; l <= 3; l++)
-        for (size_t i = l * l; i < (l + 1) * (l + 1); i++) mean[i] = static_cast<float>(kMeanOfDegree[l] * at[i]);
+    for (size_t l = 0; l <= 3; ++l)
+        for (size_t i = l * l; i < (l + 1) * (l + 1); ++i) mean[i] = static_cast<float>(kMeanOfDegree[l] * at[i]);
     return mean;
 }
 
 glm::vec3 colour_of(const VolumeLeaf& leaf, uint32_t degree, const std::array<float, kMaxShCount>& basis) {
     glm::vec3 colour;
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; ++c) {
         float logit = 0;
-        for (size_t i = 0; i < sh_count(degree); i++) logit += leaf.colours[static_cast<size_t>(c)][i] * basis[i];
+        for (size_t i = 0; i < sh_count(degree); ++i) logit += leaf.colours[static_cast<size_t>(c)][i] * basis[i];
         colour[c] = voctree::sigmoid(logit);
     }
     return colour;
@@ -63,15 +63,15 @@ void fill_unknown(std::vector<glm::vec4>& colours, uint32_t side) {
     const uint32_t half_side = (side + 1) / 2;
     if (side > 1) {
         half.resize(size_t{half_side} * half_side, glm::vec4(0));
-        for (uint32_t y = 0; y < side; y++)
-            for (uint32_t x = 0; x < side; x++)
+        for (uint32_t y = 0; y < side; ++y)
+            for (uint32_t x = 0; x < side; ++x)
                 half[size_t{y / 2} * half_side + x / 2] += colours[size_t{y} * side + x];
         for (glm::vec4& colour : half)
             if (colour.w > 0) colour /= colour.w;
         fill_unknown(half, half_side);
     }
-    for (uint32_t y = 0; y < side; y++)
-        for (uint32_t x = 0; x < side; x++)
+    for (uint32_t y = 0; y < side; ++y)
+        for (uint32_t x = 0; x < side; ++x)
             if (glm::vec4& colour = colours[size_t{y} * side + x]; !(colour.w > 0) && side > 1)
                 colour = half[size_t{y / 2} * half_side + x / 2];
 }
@@ -87,7 +87,7 @@ std::vector<std::array<uint8_t, 3>> vertex_colours(const LeafGrid& grid, const T
     const std::vector<glm::vec3> normals = normals_of(mesh);
     std::vector<glm::vec4> seen(normals.size());
     parallel_for(seen.size(), 1024, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) seen[i] = seen_at(grid, mesh.positions[i], normals[i]);
+        for (size_t i = begin; i < end; ++i) seen[i] = seen_at(grid, mesh.positions[i], normals[i]);
     });
     glm::vec4 mean(0);
     for (const glm::vec4& colour : seen) mean += colour;
@@ -105,12 +105,12 @@ media::Image baked_texture(const LeafGrid& grid, const MappedMesh& mesh, uint32_
     for (uint32_t first = 0; first < side_px; first += kRows) {
         between();
         parallel_for(std::min(kRows, side_px - first), 4, [&](size_t begin, size_t end) {
-            for (size_t i = (first + begin) * side_px; i < (first + end) * side_px; i++) {
+            for (size_t i = (first + begin) * side_px; i < (first + end) * side_px; ++i) {
                 if (texels[i].triangle == UINT32_MAX) continue;
                 const glm::uvec3& triangle = mesh.triangles[texels[i].triangle];
                 const glm::vec3 weights(texels[i].at, 1 - texels[i].at.x - texels[i].at.y);
                 glm::vec3 point(0), normal(0);
-                for (int k = 0; k < 3; k++) {
+                for (int k = 0; k < 3; ++k) {
                     point += weights[k] * mesh.positions[triangle[k]];
                     normal += weights[k] * mesh.normals[triangle[k]];
                 }
@@ -121,7 +121,7 @@ media::Image baked_texture(const LeafGrid& grid, const MappedMesh& mesh, uint32_
     }
     fill_unknown(seen, side_px);
     media::Image image(side_px, side_px);
-    for (size_t i = 0; i < seen.size(); i++) {
+    for (size_t i = 0; i < seen.size(); ++i) {
         const std::array<uint8_t, 3> bytes = bytes_of(seen[i]);
         std::copy(bytes.begin(), bytes.end(), &image.rgba[4 * i]);
         image.rgba[4 * i + 3] = 255;

@@ -42,11 +42,11 @@ double psnr_of(const Splats& splats, std::span<const FitView> views) {
     double sum = 0, count = 0;
     for (const FitView& view : views) {
         const media::Image drawn = splat_image(splats, view.camera, glm::vec3(1));
-        for (size_t i = 0; i < drawn.rgba.size(); i++) {
+        for (size_t i = 0; i < drawn.rgba.size(); ++i) {
             if (i % 4 == 3) continue;
             const double difference = (drawn.rgba[i] - view.image.rgba[i]) / 255.0;
             sum += difference * difference;
-            count++;
+            ++count;
         }
     }
     return sum > 0 ? std::min(99.0, -10 * std::log10(sum / count)) : 99;

@@ -37,7 +37,7 @@ FrameVolume frame_volume(const voctree::VOctree& tree, double frame, std::span<c
     const std::vector<voctree::LiveLeaf> live = voctree::live_leaves(tree, rows, edits, kLeastOpacity);
     volume.leaves.resize(live.size());
     parallel_for(live.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             VolumeLeaf& leaf = volume.leaves[i];
             leaf = {live[i].cell, live[i].depth, live[i].sigma, voctree::leaf_colours(tree, live[i].leaf, rows, edits),
                     0};
@@ -72,19 +72,19 @@ std::vector<Siblings> siblings_at(const FrameVolume& volume, uint32_t depth) {
 // The leaf in place of siblings: the mean density of their parent, and colours weighted by how much each leaf is shown.
 VolumeLeaf merged(const FrameVolume& volume, const Siblings& siblings) {
     VolumeLeaf sum = volume.leaves[siblings.first];
-    sum.depth--;
+    --sum.depth;
     sum.sigma = 0;
     sum.shown = 0;
     sum.colours = {};
     float weights = 0;
-    for (size_t i = siblings.first; i < siblings.first + siblings.count; i++) {
+    for (size_t i = siblings.first; i < siblings.first + siblings.count; ++i) {
         const VolumeLeaf& leaf = volume.leaves[i];
         const float weight = leaf.shown + kLeastShown_m2;
         weights += weight;
         sum.shown += leaf.shown;
         sum.sigma += leaf.sigma / 8;
-        for (size_t c = 0; c < 3; c++)
-            for (size_t k = 0; k < leaf.colours[c].size(); k++) sum.colours[c][k] += weight * leaf.colours[c][k];
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t k = 0; k < leaf.colours[c].size(); ++k) sum.colours[c][k] += weight * leaf.colours[c][k];
     }
     for (auto& channel : sum.colours)
         for (float& k : channel) k /= weights;
@@ -100,13 +100,13 @@ float cost_of(const FrameVolume& volume, const Siblings& siblings) {
     const float edge = volume.edge_m(whole) / 2;
     const float opacity = -std::expm1(-whole.sigma * edge);
     std::array<float, 3> colour;
-    for (size_t c = 0; c < 3; c++) colour[c] = voctree::sigmoid(whole.colours[c][0] * voctree::kMeanHarmonic);
+    for (size_t c = 0; c < 3; ++c) colour[c] = voctree::sigmoid(whole.colours[c][0] * voctree::kMeanHarmonic);
     float cost = static_cast<float>(8 - siblings.count) * opacity * whole.shown / static_cast<float>(siblings.count);
-    for (size_t i = siblings.first; i < siblings.first + siblings.count; i++) {
+    for (size_t i = siblings.first; i < siblings.first + siblings.count; ++i) {
         const VolumeLeaf& leaf = volume.leaves[i];
         const float own = -std::expm1(-leaf.sigma * edge);
         float difference = std::abs(own - opacity) / std::max(own, kLeastDivisor);
-        for (size_t c = 0; c < 3; c++)
+        for (size_t c = 0; c < 3; ++c)
             difference += std::abs(voctree::sigmoid(leaf.colours[c][0] * voctree::kMeanHarmonic) - colour[c]);
         cost += difference * (leaf.shown + kLeastShown_m2);
     }
@@ -135,10 +135,10 @@ void merge(FrameVolume& volume, const std::vector<Siblings>& chosen) {
 }  // namespace
 
 FrameVolume with_fewer_leaves(FrameVolume volume, size_t most_leaves) {
-    for (uint32_t depth = volume.depth; depth > 1 && volume.leaves.size() > most_leaves; depth--) {
+    for (uint32_t depth = volume.depth; depth > 1 && volume.leaves.size() > most_leaves; --depth) {
         std::vector<Siblings> all = siblings_at(volume, depth);
         parallel_for(all.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; i++) all[i].cost = cost_of(volume, all[i]);
+            for (size_t i = begin; i < end; ++i) all[i].cost = cost_of(volume, all[i]);
         });
         std::sort(all.begin(), all.end(), [](const Siblings& a, const Siblings& b) {
             return std::pair(a.cost, a.first) < std::pair(b.cost, b.first);
@@ -153,7 +153,7 @@ FrameVolume with_fewer_leaves(FrameVolume volume, size_t most_leaves) {
 }
 
 FrameVolume with_depth(FrameVolume volume, uint32_t most_depth) {
-    for (; volume.depth > std::max(most_depth, 1u); volume.depth--) {
+    for (; volume.depth > std::max(most_depth, 1u); --volume.depth) {
         merge(volume, siblings_at(volume, volume.depth));
         for (VolumeLeaf& leaf : volume.leaves) leaf.cell >>= 3;
     }

@@ -12,7 +12,7 @@ using Json = nlohmann::ordered_json;
 Json animation_of(size_t frames, double fps, stage::GlbWriter& glb) {
     Json animation = {{"name", "frames"}, {"samplers", Json::array()}, {"channels", Json::array()}};
     const auto time = [&](size_t frame) { return static_cast<float>(static_cast<double>(frame) / fps); };
-    for (size_t i = 0; i < frames; i++) {
+    for (size_t i = 0; i < frames; ++i) {
         std::vector<float> times, scales;
         const auto key = [&](size_t frame, float scale) {
             times.push_back(time(frame));
@@ -31,7 +31,7 @@ Json animation_of(size_t frames, double fps, stage::GlbWriter& glb) {
 
 void add_gltf_frames(stage::GlbWriter& glb, const std::vector<Json>& meshes, double fps, const glm::dvec3& origin) {
     Json nodes = Json::array(), with_vertices = Json::array(), shown = Json::array();
-    for (size_t i = 0; i < meshes.size(); i++) {
+    for (size_t i = 0; i < meshes.size(); ++i) {
         Json node = {{"name", fmt::format("frame {}", i)}};
         if (i > 0) node["scale"] = {0, 0, 0};  // where nothing plays the animation
         if (!meshes[i].is_null()) {

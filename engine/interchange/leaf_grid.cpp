@@ -52,10 +52,10 @@ LeafGrid::LeafGrid(FrameVolume volume, size_t most_cells) : volume_(std::move(vo
     const glm::ivec3 first = box.low - kMargin;
     origin_m_ = volume_.box_min + glm::vec3(first) * cell_m_;
     leaf_.resize(box.cells());
-    for (size_t i = 0; i < volume_.leaves.size(); i++) {
+    for (size_t i = 0; i < volume_.leaves.size(); ++i) {
         const LatticeBox cells = cells_of(volume_, volume_.leaves[i]);
-        for (int z = cells.low.z; z < cells.high.z; z++)
-            for (int y = cells.low.y; y < cells.high.y; y++) {
+        for (int z = cells.low.z; z < cells.high.z; ++z)
+            for (int y = cells.low.y; y < cells.high.y; ++y) {
                 const size_t row = index_of(glm::ivec3(cells.low.x, y, z) - first);
                 std::fill_n(&leaf_[row], cells.high.x - cells.low.x, static_cast<uint32_t>(i + 1));
             }

@@ -67,7 +67,7 @@ void write_mesh_ply(const std::filesystem::path& file, const ColouredMesh& mesh,
     head += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n",
                         mesh.mesh.triangles.size());
     std::vector<uint8_t> bytes(head.begin(), head.end());
-    for (size_t i = 0; i < mesh.mesh.positions.size(); i++) {
+    for (size_t i = 0; i < mesh.mesh.positions.size(); ++i) {
         if (far)
             append_bytes(bytes, glm::dvec3(mesh.mesh.positions[i]) + origin);
         else

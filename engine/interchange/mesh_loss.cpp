@@ -24,15 +24,15 @@ MeshLoss loss_of(const ColouredMesh& mesh, std::span<const MeshView> views) {
     std::vector<float> differences;
     for (const MeshView& view : views) {
         const media::LinearImage drawn = mesh_image(mesh, view.camera, kSamples);
-        for (size_t i = 0; i < drawn.depth_m.size(); i++) {
+        for (size_t i = 0; i < drawn.depth_m.size(); ++i) {
             const bool is = drawn.rgba[4 * i + 3] >= kCovered, was = view.image.rgba[4 * i + 3] >= kCovered;
             either += is || was ? 1 : 0;
             both += is && was ? 1 : 0;
             if (is && was) differences.push_back(std::abs(drawn.depth_m[i] - view.image.depth_m[i]));
-            for (size_t c = 0; c < 3; c++) {
+            for (size_t c = 0; c < 3; ++c) {
                 const double difference = on_white(drawn, i, c) - on_white(view.image, i, c);
                 squares += difference * difference;
-                numbers++;
+                ++numbers;
             }
         }
     }

@@ -38,15 +38,15 @@ void measure_shown(FrameVolume& volume) {
     }
     const double radius = 0.5 * glm::distance(low, high) + double{volume.box_size.x} / (1u << volume.depth);
     std::vector<float> weights(splats.splats.size(), 0.0f);
-    for (int x = -1; x <= 1; x++)
-        for (int y = -1; y <= 1; y++)
-            for (int z = -1; z <= 1; z++)
+    for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+            for (int z = -1; z <= 1; ++z)
                 if (x != 0 || y != 0 || z != 0)
                     add_weights(splats, camera_from(glm::normalize(glm::dvec3(x, y, z)), 0.5 * (low + high), radius),
                                 weights);
     const double pixel_m = 2 * radius / kSide_px;
     const auto unit = static_cast<float>(pixel_m * pixel_m / kDirections);
-    for (size_t i = 0; i < weights.size(); i++)
+    for (size_t i = 0; i < weights.size(); ++i)
         volume.leaves[i].shown = kShareOfAll * volume.leaves[i].shown + unit * weights[i];
 }
 

@@ -76,18 +76,18 @@ Simplifier::Simplifier(const TriangleMesh& mesh)
       quadrics_(mesh.positions.size()),
       versions_(mesh.positions.size(), 0),
       left_(mesh.triangles.size()) {
-    for (uint32_t i = 0; i < triangles_.size(); i++) {
+    for (uint32_t i = 0; i < triangles_.size(); ++i) {
         const glm::uvec3& triangle = triangles_[i];
         const glm::dvec3& a = positions_[triangle[0]];
         const glm::dvec3 cross = glm::cross(positions_[triangle[1]] - a, positions_[triangle[2]] - a);
         const double length = glm::length(cross);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             around_[triangle[k]].push_back(i);
             if (length > 0) quadrics_[triangle[k]].add_plane(cross / length, -glm::dot(cross / length, a), length);
         }
     }
     for (const glm::uvec3& triangle : triangles_)
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; ++k)
             if (triangle[k] < triangle[(k + 1) % 3]) push(triangle[k], triangle[(k + 1) % 3]);
 }
 
@@ -117,7 +117,7 @@ void Simplifier::push(uint32_t a, uint32_t b) {
 std::vector<uint32_t> Simplifier::neighbours_of(uint32_t vertex) const {
     std::vector<uint32_t> all;
     for (const uint32_t triangle : around_[vertex])
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; ++k)
             if (triangles_[triangle][k] != vertex) all.push_back(triangles_[triangle][k]);
     std::sort(all.begin(), all.end());
     all.erase(std::unique(all.begin(), all.end()), all.end());
@@ -139,7 +139,7 @@ bool Simplifier::keeps_sides(uint32_t vertex, uint32_t other, const glm::dvec3& 
         const glm::uvec3& triangle = triangles_[index];
         if (triangle[0] == other || triangle[1] == other || triangle[2] == other) continue;
         std::array<glm::dvec3, 3> before, after;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             const auto i = static_cast<size_t>(k);
             before[i] = positions_[triangle[k]];
             after[i] = triangle[k] == vertex ? position : before[i];
@@ -148,7 +148,7 @@ bool Simplifier::keeps_sides(uint32_t vertex, uint32_t other, const glm::dvec3& 
         const glm::dvec3 is = glm::cross(after[1] - after[0], after[2] - after[0]);
         if (!(glm::dot(was, is) > kLeastTurn * glm::length(was) * glm::length(is))) return false;
         double edges = 0;
-        for (size_t k = 0; k < 3; k++) edges += glm::dot(after[(k + 1) % 3] - after[k], after[(k + 1) % 3] - after[k]);
+        for (size_t k = 0; k < 3; ++k) edges += glm::dot(after[(k + 1) % 3] - after[k], after[(k + 1) % 3] - after[k]);
         if (2 * std::sqrt(3.0) * glm::length(is) < kLeastShape * edges) return false;
     }
     return true;
@@ -160,24 +160,24 @@ void Simplifier::apply(const Merge& merge) {
     for (const uint32_t index : around_[merge.from]) {
         glm::uvec3& triangle = triangles_[index];
         if (triangle[0] == merge.to || triangle[1] == merge.to || triangle[2] == merge.to) {
-            for (int k = 0; k < 3; k++)
+            for (int k = 0; k < 3; ++k)
                 if (triangle[k] != merge.from) std::erase(around_[triangle[k]], index);
             alive_[index] = false;
-            left_--;
+            --left_;
             continue;
         }
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; ++k)
             if (triangle[k] == merge.from) triangle[k] = merge.to;
         around_[merge.to].push_back(index);
     }
     around_[merge.from].clear();
-    versions_[merge.from]++;
-    versions_[merge.to]++;
+    ++versions_[merge.from];
+    ++versions_[merge.to];
     for (const uint32_t neighbour : neighbours_of(merge.to)) push(neighbour, merge.to);
 }
 
 void Simplifier::run(size_t most_triangles, const std::function<void()>& between) {
-    for (size_t i = 0; left_ > most_triangles && !merges_.empty(); i++) {
+    for (size_t i = 0; left_ > most_triangles && !merges_.empty(); ++i) {
         if (i % kMergesOfPart == 0) between();
         const Merge merge = merges_.top();
         merges_.pop();
@@ -191,7 +191,7 @@ void Simplifier::run(size_t most_triangles, const std::function<void()>& between
 
 TriangleMesh Simplifier::result() const {
     TriangleMesh mesh{{positions_.begin(), positions_.end()}, {}};
-    for (size_t i = 0; i < triangles_.size(); i++)
+    for (size_t i = 0; i < triangles_.size(); ++i)
         if (alive_[i]) mesh.triangles.push_back(triangles_[i]);
     drop_unused_vertices(mesh);
     return mesh;

@@ -20,7 +20,7 @@ constexpr double kDenseIsSmaller = 4;
 SplatBox extent_of(const Splat& splat) {
     const glm::mat3 axes = glm::transpose(glm::mat3_cast(splat.rotation));  // its columns are rows of the rotation
     glm::dvec3 reach;
-    for (int i = 0; i < 3; i++) reach[i] = kDeviations * double{glm::length(axes[i] * splat.deviation)};
+    for (int i = 0; i < 3; ++i) reach[i] = kDeviations * double{glm::length(axes[i] * splat.deviation)};
     return {glm::dvec3(splat.centre) - reach, glm::dvec3(splat.centre) + reach};
 }
 
@@ -55,10 +55,10 @@ SplatBox middle_of(const std::vector<Seen>& seen, size_t cut) {
         std::nth_element(ends.begin(), ends.begin() + static_cast<ptrdiff_t>(n), ends.end());
         return ends[n];
     };
-    for (int axis = 0; axis < 3; axis++) {
-        for (size_t i = 0; i < seen.size(); i++) ends[i] = seen[i].extent.low[axis];
+    for (int axis = 0; axis < 3; ++axis) {
+        for (size_t i = 0; i < seen.size(); ++i) ends[i] = seen[i].extent.low[axis];
         box.low[axis] = nth(cut);
-        for (size_t i = 0; i < seen.size(); i++) ends[i] = seen[i].extent.high[axis];
+        for (size_t i = 0; i < seen.size(); ++i) ends[i] = seen[i].extent.high[axis];
         box.high[axis] = nth(seen.size() - 1 - cut);
     }
     return box;
@@ -98,7 +98,7 @@ MainBox main_box_of(const Splats& splats) {
             is_first = false;
             continue;
         }
-        main.beyond++;
+        ++main.beyond;
         const glm::dvec3 end = glm::max(glm::abs(each.extent.low - centre), glm::abs(each.extent.high - centre));
         if (const double distance = std::max({end.x, end.y, end.z}); distance > farthest) {
             farthest = distance;

@@ -34,7 +34,7 @@ std::vector<float> columns(const Splats& splats, size_t components, const Of& of
     std::vector<float> numbers;
     numbers.reserve(splats.splats.size() * components);
     for (const Splat& splat : splats.splats)
-        for (int c = 0; c < static_cast<int>(components); c++) numbers.push_back(of(splat, c));
+        for (int c = 0; c < static_cast<int>(components); ++c) numbers.push_back(of(splat, c));
     return numbers;
 }
 
@@ -42,7 +42,7 @@ std::vector<float> columns(const Splats& splats, size_t components, const Of& of
 std::vector<uint8_t> plain_colours(const Splats& splats) {
     std::vector<uint8_t> colours;
     for (const Splat& splat : splats.splats) {
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; ++c) {
             const float srgb = std::clamp(0.5f + 0.28209479f * splat.colour[0][c], 0.0f, 1.0f);
             colours.push_back(static_cast<uint8_t>(255 * media::linear_from_srgb(double{srgb}) + 0.5));
         }
@@ -72,8 +72,8 @@ Json primitive_of(const Splats& splats, stage::GlbWriter& glb) {
         add_vertices(glb, columns(splats, 3, [](const Splat& s, int c) { return s.deviation[c]; }), "VEC3", 3);
     attributes[prefix + "OPACITY"] =
         add_vertices(glb, columns(splats, 1, [](const Splat& s, int) { return s.opacity; }), "SCALAR", 1);
-    for (uint32_t l = 0; l <= splats.degree; l++)
-        for (uint32_t i = 0; i <= 2 * l; i++)
+    for (uint32_t l = 0; l <= splats.degree; ++l)
+        for (uint32_t i = 0; i <= 2 * l; ++i)
             attributes[fmt::format("{}SH_DEGREE_{}_COEF_{}", prefix, l, i)] = add_vertices(
                 glb, columns(splats, 3, [&](const Splat& s, int c) { return s.colour[l * l + i][c]; }), "VEC3", 3);
     return {{"attributes", attributes},

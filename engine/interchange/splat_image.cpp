@@ -78,9 +78,9 @@ void composite_rows(const std::vector<Footprint>& footprints, uint32_t width, ui
         const int y1 = std::min(static_cast<int>(end) - 1, static_cast<int>(std::ceil(f.centre.y + f.reach)));
         const int x0 = std::max(0, static_cast<int>(std::floor(f.centre.x - f.reach_x)));
         const int x1 = std::min(static_cast<int>(width) - 1, static_cast<int>(std::ceil(f.centre.x + f.reach_x)));
-        for (int y = y0; y <= y1; y++) {
+        for (int y = y0; y <= y1; ++y) {
             const float dy = static_cast<float>(y) + 0.5f - f.centre.y;
-            for (int x = x0; x <= x1; x++) {
+            for (int x = x0; x <= x1; ++x) {
                 const float dx = static_cast<float>(x) + 0.5f - f.centre.x;
                 const float power = -0.5f * (f.a * dx * dx + f.c * dy * dy) - f.b * dx * dy;
                 const float alpha = std::min(kMostOpacity, f.opacity * std::exp(power));
@@ -95,7 +95,7 @@ std::vector<Footprint> footprints_of(const Splats& splats, const stage::Camera& 
     const glm::dmat4 camera_from_world = glm::inverse(camera.world_from_camera);
     std::vector<Footprint> footprints;
     footprints.reserve(splats.splats.size());
-    for (size_t i = 0; i < splats.splats.size(); i++) {
+    for (size_t i = 0; i < splats.splats.size(); ++i) {
         Footprint footprint{};
         footprint.splat = i;
         if (project(splats.splats[i], splats.degree, camera, camera_from_world, footprint))
@@ -124,10 +124,10 @@ media::Image splat_image(const Splats& splats, const stage::Camera& camera, cons
             glm::vec4& pixel = rows[size_t{width} * (y - first) + x];
             pixel += glm::vec4(pixel.w * alpha * f.colour, -pixel.w * alpha);
         });
-        for (size_t i = 0; i < rows.size(); i++) {
+        for (size_t i = 0; i < rows.size(); ++i) {
             const glm::vec3 shown = glm::clamp(glm::vec3(rows[i]) + rows[i].w * background, 0.0f, 1.0f);
             uint8_t* to = image.at(0, first) + 4 * i;
-            for (int c = 0; c < 3; c++) to[c] = static_cast<uint8_t>(std::lround(255 * shown[c]));
+            for (int c = 0; c < 3; ++c) to[c] = static_cast<uint8_t>(std::lround(255 * shown[c]));
             to[3] = 255;
         }
     });

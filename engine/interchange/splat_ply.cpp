@@ -24,22 +24,22 @@ std::string header(const Splats& splats) {
     std::string text = fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", splats.splats.size());
     const auto property = [&](const std::string& name) { text += "property float " + name + "\n"; };
     for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) property(name);
-    for (int i = 0; i < 3; i++) property(fmt::format("f_dc_{}", i));
-    for (uint32_t i = 0; i < 3 * (sh_count(splats.degree) - 1); i++) property(fmt::format("f_rest_{}", i));
+    for (int i = 0; i < 3; ++i) property(fmt::format("f_dc_{}", i));
+    for (uint32_t i = 0; i < 3 * (sh_count(splats.degree) - 1); ++i) property(fmt::format("f_rest_{}", i));
     property("opacity");
-    for (int i = 0; i < 3; i++) property(fmt::format("scale_{}", i));
-    for (int i = 0; i < 4; i++) property(fmt::format("rot_{}", i));
+    for (int i = 0; i < 3; ++i) property(fmt::format("scale_{}", i));
+    for (int i = 0; i < 4; ++i) property(fmt::format("rot_{}", i));
     return text + "end_header\n";
 }
 
 void append(const Splat& splat, uint32_t degree, std::vector<float>& numbers) {
-    for (int i = 0; i < 3; i++) numbers.push_back(splat.centre[i]);
-    for (int i = 0; i < 3; i++) numbers.push_back(0);
-    for (int c = 0; c < 3; c++) numbers.push_back(splat.colour[0][c]);
-    for (int c = 0; c < 3; c++)
-        for (uint32_t k = 1; k < sh_count(degree); k++) numbers.push_back(splat.colour[k][c]);
+    for (int i = 0; i < 3; ++i) numbers.push_back(splat.centre[i]);
+    for (int i = 0; i < 3; ++i) numbers.push_back(0);
+    for (int c = 0; c < 3; ++c) numbers.push_back(splat.colour[0][c]);
+    for (int c = 0; c < 3; ++c)
+        for (uint32_t k = 1; k < sh_count(degree); ++k) numbers.push_back(splat.colour[k][c]);
     numbers.push_back(logit_of(splat.opacity));
-    for (int i = 0; i < 3; i++) numbers.push_back(std::log(splat.deviation[i]));
+    for (int i = 0; i < 3; ++i) numbers.push_back(std::log(splat.deviation[i]));
     const glm::quat& r = splat.rotation;
     numbers.insert(numbers.end(), {r.w, r.x, r.y, r.z});
 }

@@ -153,7 +153,7 @@ class SplatColumns {
         uint32_t rest = 0;
         while (rest < 3 * kMaxShCount && table.properties.contains(fmt::format("f_rest_{}", rest)))
             add(table, fmt::format("f_rest_{}", rest++));
-        while (3 * (sh_count(degree) - 1) < rest && degree < kMaxHhDegree) degree++;
+        while (3 * (sh_count(degree) - 1) < rest && degree < kMaxHhDegree) ++degree;
         if (3 * (sh_count(degree) - 1) != rest)
             throw std::runtime_error(fmt::format("has {} harmonics, not those of a degree up to 3", rest / 3 + 1));
     }
@@ -162,7 +162,7 @@ class SplatColumns {
     // Nothing where it is left out; `why` then says so.
     std::optional<Splat> splat(const uint8_t* row, float scale, std::string& why) const {
         std::array<float, 14 + 3 * kMaxShCount> n{};
-        for (size_t i = 0; i < columns_.size(); i++) {
+        for (size_t i = 0; i < columns_.size(); ++i) {
             n[i] = columns_[i].of(row);
             if (!std::isfinite(n[i]) && !may_be_infinite(i, n[i])) {
                 why = fmt::format("whose {} is {}", names_[i], n[i]);
@@ -181,9 +181,9 @@ class SplatColumns {
         splat.deviation = glm::max(splat.deviation, kLeastDeviation_m);
         splat.rotation = glm::quat(turn[0] / length, turn[1] / length, turn[2] / length, turn[3] / length);
         const uint32_t count = sh_count(degree);
-        for (uint32_t c = 0; c < 3; c++) {
+        for (uint32_t c = 0; c < 3; ++c) {
             splat.colour[0][static_cast<int>(c)] = n[kColour + c];
-            for (uint32_t k = 1; k < count; k++) splat.colour[k][static_cast<int>(c)] = n[14 + c * (count - 1) + k - 1];
+            for (uint32_t k = 1; k < count; ++k) splat.colour[k][static_cast<int>(c)] = n[14 + c * (count - 1) + k - 1];
         }
         return splat;
     }
@@ -202,7 +202,7 @@ class SplatColumns {
     }
     // What is larger than this program takes; empty where nothing is.
     std::string excess_of(const Splat& splat, std::span<const float> n, size_t columns) const {
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) {
             const auto at = static_cast<size_t>(i);
             if (!(std::abs(splat.centre[i]) <= kMostLength_m))
                 return fmt::format("whose {} is {:.6g} m", names_[at], splat.centre[i]);
@@ -210,7 +210,7 @@ class SplatColumns {
                 return fmt::format("whose {} is {:.6g}, a size of {:.3g} m", names_[kScale + at], n[kScale + at],
                                    splat.deviation[i]);
         }
-        for (size_t i = kColour; i < columns; i++)
+        for (size_t i = kColour; i < columns; ++i)
             if (!(std::abs(n[i]) <= kMostColour)) return fmt::format("whose {} is {:.6g}", names_[i], n[i]);
         return "";
     }
@@ -228,7 +228,7 @@ PlySplats parse(const std::vector<uint8_t>& bytes, float scale) {
         throw std::runtime_error(fmt::format("has {} splats, for which there is not enough memory", table.count));
     read.splats.splats.reserve(table.count);
     std::string why;
-    for (size_t i = 0; i < table.count; i++) {
+    for (size_t i = 0; i < table.count; ++i) {
         if (auto splat = columns.splat(table.rows + i * table.bytes_of_row, scale, why)) {
             splat->row = static_cast<uint32_t>(i);
             read.splats.splats.push_back(*splat);

@@ -40,7 +40,7 @@ class Attributes {
         const bool is_still = frames_.size() == 1;
         const auto samples = [&] {
             print(fmt::format("        {}.timeSamples = {{\n", name));
-            for (size_t i = 0; i < frames_.size(); i++)
+            for (size_t i = 0; i < frames_.size(); ++i)
                 print(fmt::format("            {}: {},\n", i, value(frames_[i])));
             print("        }\n");
         };
@@ -62,7 +62,7 @@ class Attributes {
 
 std::string extent_text(const Splats& splats) {
     glm::vec3 low(0), high(0);
-    for (size_t i = 0; i < splats.splats.size(); i++) {
+    for (size_t i = 0; i < splats.splats.size(); ++i) {
         const Splat& splat = splats.splats[i];
         const glm::vec3 reach(kReach * glm::length(splat.deviation));
         low = i == 0 ? splat.centre - reach : glm::min(low, splat.centre - reach);
@@ -113,7 +113,7 @@ void write_splat_usda(const std::filesystem::path& file, std::span<const Splats>
         attributes.write_elements(
             "float3[] radiance:sphericalHarmonicsCoefficients",
             [&](const Splat& s, std::string& text) {
-                for (uint32_t k = 0; k < count; k++) {
+                for (uint32_t k = 0; k < count; ++k) {
                     if (k > 0) text += ", ";
                     append_vector(s.colour[k], text);
                 }

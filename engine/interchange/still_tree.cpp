@@ -17,7 +17,7 @@ namespace {
 std::vector<size_t> sorted_without_overlaps(const StillLeaves& leaves, uint32_t depth) {
     std::vector<std::pair<uint64_t, size_t>> cells;
     cells.reserve(leaves.positions.size());
-    for (size_t i = 0; i < leaves.positions.size(); i++)
+    for (size_t i = 0; i < leaves.positions.size(); ++i)
         cells.emplace_back(voctree::first_cell(leaves.positions[i], depth), i);
     std::sort(cells.begin(), cells.end(), [&](const auto& a, const auto& b) {
         const uint32_t depth_a = leaves.positions[a.second].depth, depth_b = leaves.positions[b.second].depth;
@@ -40,7 +40,7 @@ CellBox CellBox::around(const glm::ivec3& low, const glm::ivec3& high, int step,
                         const std::string& hint) {
     CellBox box;
     int longest = 0;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         box.first[i] = low[i] & ~(step - 1);
         longest = std::max(longest, high[i] - box.first[i] + 1);
     }
@@ -71,11 +71,11 @@ voctree::VOctree still_tree(const StillLeaves& leaves, const CellBox& box, const
     positions.reserve(order.size());
     for (const size_t i : order) positions.push_back(leaves.positions[i]);
     voctree::build_topology(tree, positions);
-    for (size_t i = 0; i < order.size(); i++) {
+    for (size_t i = 0; i < order.size(); ++i) {
         const float* from = &leaves.values[order[i] * leaves.values_of_leaf()];
         float* weights = tree.leaf(static_cast<uint32_t>(i));
         weights[0] = *from++;
-        for (uint32_t c = 0; c < 3; c++)
+        for (uint32_t c = 0; c < 3; ++c)
             voctree::write_sh(weights + 2 + c * hh_count(leaves.degree), leaves.degree,
                               from + c * sh_count(leaves.degree));
     }

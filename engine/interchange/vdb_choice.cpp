@@ -28,7 +28,7 @@ std::string text_of(const VdbGrid& grid) {
 
 std::string text_of(std::span<const VdbGrid> grids, const std::vector<size_t>& listed) {
     std::string text;
-    for (size_t i = 0; i < std::min(listed.size(), kMostListed); i++)
+    for (size_t i = 0; i < std::min(listed.size(), kMostListed); ++i)
         text += (i > 0 ? ", " : "") + text_of(grids[listed[i]]);
     if (listed.size() > kMostListed) text += fmt::format(" and {} more", listed.size() - kMostListed);
     return text;
@@ -37,7 +37,7 @@ std::string text_of(std::span<const VdbGrid> grids, const std::vector<size_t>& l
 // Those with values of so many channels, but no level sets.
 std::vector<size_t> usable(std::span<const VdbGrid> grids, uint32_t channels) {
     std::vector<size_t> found;
-    for (size_t i = 0; i < grids.size(); i++)
+    for (size_t i = 0; i < grids.size(); ++i)
         if (grids[i].unread.empty() && grids[i].channels == channels && !is_level_set(grids[i])) found.push_back(i);
     return found;
 }
@@ -49,7 +49,7 @@ std::vector<size_t> named(std::span<const VdbGrid> grids, std::vector<size_t> am
 
 std::vector<size_t> all(std::span<const VdbGrid> grids) {
     std::vector<size_t> indices;
-    for (size_t i = 0; i < grids.size(); i++) indices.push_back(i);
+    for (size_t i = 0; i < grids.size(); ++i) indices.push_back(i);
     return indices;
 }
 

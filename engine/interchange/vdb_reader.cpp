@@ -98,7 +98,7 @@ std::string read_metadata(stream::ByteReader& bytes, const std::string& wanted) 
     std::string found;
     const uint64_t count = bytes.number(4);
     if (count > kMostMetadata) throw std::runtime_error("has too many metadata");
-    for (uint64_t i = 0; i < count; i++) {
+    for (uint64_t i = 0; i < count; ++i) {
         const std::string name = text(bytes), type = text(bytes), value = text(bytes);
         if (name == wanted && type == "string") found = value;
     }
@@ -113,13 +113,13 @@ void GridReader::read_map() {
     const std::string type = text(bytes_);
     const auto vector = [&] {
         glm::dvec3 v;
-        for (int i = 0; i < 3; i++) v[i] = std::bit_cast<double>(bytes_.number(8));
+        for (int i = 0; i < 3; ++i) v[i] = std::bit_cast<double>(bytes_.number(8));
         return v;
     };
     glm::dmat4& m = grid_.world_from_index;
     if (type == "AffineMap" || type == "UnitaryMap") {  // its rows are our columns: vectors stand to the left of it
-        for (int c = 0; c < 4; c++)
-            for (int r = 0; r < 4; r++) m[c][r] = std::bit_cast<double>(bytes_.number(8));
+        for (int c = 0; c < 4; ++c)
+            for (int r = 0; r < 4; ++r) m[c][r] = std::bit_cast<double>(bytes_.number(8));
     } else {
         const bool translates = type.ends_with("TranslateMap") || type == "TranslationMap";
         const bool scales = type.starts_with("Scale") || type.starts_with("UniformScale");
@@ -127,12 +127,12 @@ void GridReader::read_map() {
         if (translates) m[3] = glm::dvec4(vector(), 1);
         if (scales) {
             const glm::dvec3 scale = vector();
-            for (int i = 0; i < 4; i++) vector();  // what follows from it
-            for (int i = 0; i < 3; i++) m[i][i] = scale[i];
+            for (int i = 0; i < 4; ++i) vector();  // what follows from it
+            for (int i = 0; i < 3; ++i) m[i][i] = scale[i];
         }
     }
     if (glm::row(m, 3) != glm::dvec4(0, 0, 0, 1)) throw std::runtime_error("has a transform that is not affine");
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const double edge = glm::length(glm::dvec3(m[i]));
         if (!(edge >= kLeastEdge && edge <= kMostEdge && std::abs(m[3][i]) <= kMostOffset))
             throw std::runtime_error("has a transform with numbers that are too small or too large");
@@ -188,8 +188,8 @@ std::vector<float> GridReader::read_values(const Mask& active, size_t count) {
     const std::vector<uint8_t> raw = unpacked(only_active ? active.count() : count);
     stream::ByteReader numbers(raw);
     std::vector<float> values;
-    for (size_t i = 0; i < count; i++)
-        for (uint32_t c = 0; c < grid_.channels && (active[i] || !only_active); c++) {
+    for (size_t i = 0; i < count; ++i)
+        for (uint32_t c = 0; c < grid_.channels && (active[i] || !only_active); ++c) {
             const float value = read_vdb_number(numbers, halves_ ? VdbNumber::kHalf : type_->number);
             if (active[i]) values.push_back(value);
         }
@@ -208,7 +208,7 @@ void GridReader::add_tile(const glm::ivec3& min, uint32_t log2, const float* val
 
 glm::ivec3 GridReader::read_origin(uint32_t log2) {
     glm::ivec3 origin;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         origin[i] = whole(bytes_);
         if (origin[i] < -kMostVdbIndex || origin[i] > kMostVdbIndex - (1 << log2))
             throw std::runtime_error(fmt::format("has voxels beyond {}", kMostVdbIndex));
@@ -224,7 +224,7 @@ void GridReader::read_node(const glm::ivec3& min, uint32_t log2) {
     const Mask children = read_mask(count), active = read_mask(count);
     const std::vector<float> values = read_values(active, count);
     size_t next = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const size_t mask = (size_t{1} << side_log2) - 1;
         const glm::ivec3 at = min + glm::ivec3(i >> 2 * side_log2, i >> side_log2 & mask, i & mask) * (1 << child_log2);
         if (active[i] && !children[i]) add_tile(at, child_log2, &values[next]);
@@ -248,12 +248,12 @@ void GridReader::read_root() {
     };
     read_value();  // the background
     const uint64_t tiles = bytes_.number(4), children = bytes_.number(4);
-    for (uint64_t i = 0; i < tiles; i++) {
+    for (uint64_t i = 0; i < tiles; ++i) {
         const glm::ivec3 at = read_origin(kUpperLog2);
         read_value();
         if (bytes_.number(1) != 0) add_tile(at, kUpperLog2, value.data());
     }
-    for (uint64_t i = 0; i < children; i++) {
+    for (uint64_t i = 0; i < children; ++i) {
         const glm::ivec3 at = read_origin(kUpperLog2);
         read_node(at, kUpperLog2);
     }
@@ -275,7 +275,7 @@ void GridReader::read_leaf_bits(VdbBlock& block) {
     if (type_->number == VdbNumber::kBool) {
         bytes_.take(kOriginBytes);
         const Mask values = read_mask(64 * block.active.size());
-        for (size_t i = 0; i < block.active.size(); i++) active.words[i] &= values.words[i];
+        for (size_t i = 0; i < block.active.size(); ++i) active.words[i] &= values.words[i];
     } else {
         bytes_.take(kOriginBytes);
     }
@@ -357,7 +357,7 @@ VdbFile parse(std::span<const uint8_t> file, std::string& place) {
     if (count > kMostGrids) throw std::runtime_error("has too many grids");
     std::vector<std::string> names;  // with the numbers that tell several of a name apart
     uint64_t memory = available_memory_bytes() / 2;
-    for (uint64_t i = 0; i < count; i++) {
+    for (uint64_t i = 0; i < count; ++i) {
         place.clear();
         const Descriptor descriptor = read_descriptor(bytes);
         place = descriptor.name();

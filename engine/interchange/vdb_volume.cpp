@@ -26,7 +26,7 @@ constexpr double kLeastTransmittance = 1e-3, kVoxelsAStep = 0.5, kLeastParallel 
 // Tells cubes of this edge apart.
 uint64_t key_of(const glm::ivec3& index, int edge) {
     uint64_t key = 0;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; ++i)
         key = key << 21 | static_cast<uint64_t>(((index[i] & ~(edge - 1)) + kMostVdbIndex) / kVdbBlockEdge);
     return key;
 }
@@ -39,7 +39,7 @@ struct Axes {
 
     glm::ivec3 cell(const glm::ivec3& index) const {
         glm::ivec3 cell;
-        for (size_t a = 0; a < 3; a++) cell[static_cast<int>(a)] = sign[static_cast<int>(a)] * index[from[a]];
+        for (size_t a = 0; a < 3; ++a) cell[static_cast<int>(a)] = sign[static_cast<int>(a)] * index[from[a]];
         return cell;
     }
 };
@@ -49,7 +49,7 @@ Axes axes_of(const VdbVolume& volume) {
     Axes axes;
     axes.centre_m = glm::dvec3(m[3]);
     std::array<bool, 3> taken{};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const glm::dvec3 column(m[i]), sizes = glm::abs(column);
         const int a = sizes.x > sizes.y && sizes.x > sizes.z ? 0 : sizes.y > sizes.z ? 1 : 2;
         if (taken[static_cast<size_t>(a)] || sizes[a] < kLeastParallel * glm::length(column))
@@ -74,7 +74,7 @@ void for_dense(const VdbGrid& grid, const Add& add) {
         if (*grid.value(tile.first) > 0) add(tile.min, tile.edge, *grid.value(tile.first));
     for (const VdbBlock& block : grid.blocks) {
         size_t next = block.first;
-        for (int x = 0; x < kVdbBlockEdge; x++)
+        for (int x = 0; x < kVdbBlockEdge; ++x)
             for (uint64_t left = block.active[static_cast<size_t>(x)]; left != 0; left &= left - 1) {
                 const int bit = std::countr_zero(left);
                 const float value = *grid.value(next++);
@@ -126,7 +126,7 @@ class LeafMaker {
         const float* colour = nullptr;
         if (colours_) colour = nearest(*colours_, colour_from_density_ * glm::dvec4(index, 1));
         Value value{sigma};
-        for (size_t c = 0; c < 3; c++) value[c + 1] = constant_harmonic(colour ? colour[c] : 1);
+        for (size_t c = 0; c < 3; ++c) value[c + 1] = constant_harmonic(colour ? colour[c] : 1);
         return value;
     }
     // The part of a tree's cell that lies between `low` and `high`, which is not part of the cube.
@@ -144,7 +144,7 @@ class LeafMaker {
             leaves.values.insert(leaves.values.end(), value.begin(), value.end());
             return;
         }
-        for (uint32_t i = 0; i < 8; i++)
+        for (uint32_t i = 0; i < 8; ++i)
             add_cell({2 * at.x + (i & 1), 2 * at.y + (i >> 1 & 1), 2 * at.z + (i >> 2), at.depth + 1}, low, high,
                      value);
     }
@@ -171,7 +171,7 @@ class Sampler {
     glm::dvec4 at(const glm::dvec3& index) {
         const glm::dvec3 base = glm::floor(index), share = index - base;
         glm::dvec4 sum(0);
-        for (int i = 0; i < 8; i++) {
+        for (int i = 0; i < 8; ++i) {
             const glm::ivec3 corner(i & 1, i >> 1 & 1, i >> 2), voxel = glm::ivec3(base) + corner;
             const float* density = density_.at(voxel);
             if (!density || !(*density > 0)) continue;
@@ -197,7 +197,7 @@ struct Span {
 };
 Span span_in(const glm::dvec3& origin, const glm::dvec3& direction, const glm::dvec3& low, const glm::dvec3& high) {
     Span span{0, std::numeric_limits<double>::max()};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const double a = (low[i] - origin[i]) / direction[i], b = (high[i] - origin[i]) / direction[i];
         if (std::isnan(a) || std::isnan(b)) continue;  // along a face
         span = {std::max(span.near, std::min(a, b)), std::min(span.far, std::max(a, b))};
@@ -225,7 +225,7 @@ const float* VdbLookup::at(const glm::ivec3& index) {
         const auto block = blocks_.find(key);
         last_block_ = block == blocks_.end() ? nullptr : block->second;
         last_tile_ = nullptr;
-        for (size_t i = 0; i < kTileEdges.size() && !last_block_ && !last_tile_; i++) {
+        for (size_t i = 0; i < kTileEdges.size() && !last_block_ && !last_tile_; ++i) {
             const auto tile = tiles_[i].find(key_of(index, kTileEdges[i]));
             if (tile != tiles_[i].end()) last_tile_ = tile->second;
         }
@@ -237,7 +237,7 @@ const float* VdbLookup::at(const glm::ivec3& index) {
     if (!(last_block_->active[static_cast<size_t>(in.x)] >> bit & 1)) return nullptr;
     size_t before =
         static_cast<size_t>(std::popcount(last_block_->active[static_cast<size_t>(in.x)] & ((uint64_t{1} << bit) - 1)));
-    for (size_t x = 0; x < static_cast<size_t>(in.x); x++)
+    for (size_t x = 0; x < static_cast<size_t>(in.x); ++x)
         before += static_cast<size_t>(std::popcount(last_block_->active[x]));
     return grid_.value(last_block_->first + before);
 }
@@ -256,9 +256,9 @@ std::optional<uint32_t> doublings_for(const VdbVolume& volume, uint32_t resoluti
     const CellRange range = range_of(volume, axes_of(volume));
     if (range.low.x > range.high.x) return std::nullopt;
     int longest = 1;
-    for (int i = 0; i < 3; i++) longest = std::max(longest, range.high[i] - range.low[i] + 1);
+    for (int i = 0; i < 3; ++i) longest = std::max(longest, range.high[i] - range.low[i] + 1);
     uint32_t doublings = 0;
-    while (longest > static_cast<int>(resolution << doublings)) doublings++;
+    while (longest > static_cast<int>(resolution << doublings)) ++doublings;
     return doublings;
 }
 
@@ -282,7 +282,7 @@ media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera, con
     const Axes axes = axes_of(volume);
     glm::dvec3 low(1), high(0);  // indices, with what is interpolated around them
     if (const CellRange range = range_of(volume, axes); range.low.x <= range.high.x) {
-        for (size_t a = 0; a < 3; a++) {
+        for (size_t a = 0; a < 3; ++a) {
             const int i = static_cast<int>(a), to = axes.from[a];
             low[to] = (axes.sign[i] > 0 ? range.low[i] : -range.high[i]) - 1;
             high[to] = (axes.sign[i] > 0 ? range.high[i] : -range.low[i]) + 1;
@@ -293,9 +293,9 @@ media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera, con
     parallel_for(camera.height, 8, [&](size_t begin, size_t end) {
         Sampler sampler(volume);
         const glm::dvec3 eye(sampler.index_from_world() * camera.world_from_camera[3]);
-        for (size_t y = begin; y < end; y++) {
+        for (size_t y = begin; y < end; ++y) {
             between();
-            for (uint32_t x = 0; x < camera.width; x++) {
+            for (uint32_t x = 0; x < camera.width; ++x) {
                 const glm::dvec3 in_camera((x + 0.5 - camera.cx) / camera.fx,
                                            (camera.cy - static_cast<double>(y) - 0.5) / camera.fy, -1);
                 const glm::dvec3 world = glm::dmat3(camera.world_from_camera) * glm::normalize(in_camera);
@@ -313,7 +313,7 @@ media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera, con
                     transmittance = left;
                 }
                 uint8_t* to = image.at(x, static_cast<uint32_t>(y));
-                for (int c = 0; c < 3; c++)
+                for (int c = 0; c < 3; ++c)
                     to[c] = static_cast<uint8_t>(std::lround(
                         255 * media::srgb_from_linear(std::min(1.0, seen[c] + transmittance * double{background[c]}))));
                 to[3] = 255;

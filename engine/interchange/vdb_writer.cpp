@@ -28,9 +28,9 @@ openvdb::Vec3s mean_colour(const VolumeLeaf& leaf, uint32_t degree) {
     openvdb::Vec3s mean(0);
     for (const voctree::ShDirection& direction : voctree::sh_directions()) {
         const auto basis = voctree::sh_basis(direction.d);
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; ++c) {
             double logit = 0;
-            for (uint32_t i = 0; i < sh_count(degree); i++)
+            for (uint32_t i = 0; i < sh_count(degree); ++i)
                 logit += basis[i] * double{leaf.colours[static_cast<size_t>(c)][i]};
             mean[c] += static_cast<float>(direction.weight / (4 * std::numbers::pi) / (1 + std::exp(-logit)));
         }
@@ -79,11 +79,11 @@ void extend(openvdb::Vec3SGrid& grid) {
             if (known.isValueOn(at)) continue;
             openvdb::Vec3s sum(0);
             int count = 0;
-            for (int i = 0; i < 27; i++) {
+            for (int i = 0; i < 27; ++i) {
                 openvdb::Vec3s neighbour;
                 if (!known.probeValue(at.offsetBy(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1), neighbour)) continue;
                 sum += neighbour;
-                count++;
+                ++count;
             }
             value.setValue(sum / static_cast<float>(std::max(count, 1)));
         }

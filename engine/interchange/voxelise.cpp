@@ -39,10 +39,10 @@ constexpr std::array<float, kMaxShCount> kSignOfHarmonic = {1, -1, 1, -1, 1, -1,
 class Polylogarithm {
   public:
     Polylogarithm() {
-        for (int i = 0; i <= kSteps; i++) {
+        for (int i = 0; i <= kSteps; ++i) {
             const double z = double{kDensest} * i / kSteps;
             double sum = 0, power = z;
-            for (int n = 1; power > 1e-7; n++, power *= z) sum += power / std::sqrt(n);
+            for (int n = 1; power > 1e-7; ++n, power *= z) sum += power / std::sqrt(n);
             values_.push_back(static_cast<float>(sum));
         }
     }
@@ -140,9 +140,9 @@ float Voxeliser::density_at(const Blob& blob, const Region& region) const {
     if (glm::any(glm::lessThanEqual(size, glm::vec3(0)))) return 0;
     const glm::ivec3 counts = glm::clamp(glm::ivec3(glm::ceil(size / (kDeviationsOfSample * own))), 1, kMostSamples);
     float sum = 0;
-    for (int x = 0; x < counts.x; x++)
-        for (int y = 0; y < counts.y; y++)
-            for (int z = 0; z < counts.z; z++) {
+    for (int x = 0; x < counts.x; ++x)
+        for (int y = 0; y < counts.y; ++y)
+            for (int z = 0; z < counts.z; ++z) {
                 const glm::vec3 at = (low + size * (glm::vec3(x, y, z) + 0.5f) / glm::vec3(counts)) / own;
                 sum += polylogarithm_.at(std::min(blob.splat->opacity, kDensest) * std::exp(-0.5f * glm::dot(at, at)));
             }
@@ -153,19 +153,19 @@ float Voxeliser::density_at(const Blob& blob, const Region& region) const {
 // The harmonics of a leaf for colours in sRGB.
 void Voxeliser::append_colours(const SplatColour& srgb, StillLeaves& leaves) const {
     const uint32_t count = sh_count(degree_);
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; ++c) {
         std::array<double, kMaxShCount> k{};
-        for (size_t d = 0; d < (degree_ == 0 ? 1 : bases_.size()); d++) {
+        for (size_t d = 0; d < (degree_ == 0 ? 1 : bases_.size()); ++d) {
             double shown = 0.5;
-            for (uint32_t i = 0; i < count; i++)
+            for (uint32_t i = 0; i < count; ++i)
                 shown += double{kSignOfHarmonic[i]} * bases_[d][i] * double{srgb[i][c]};
             const double linear = std::clamp(media::linear_from_srgb(std::clamp(shown, 0.0, 1.0)),
                                              double{kLeastImportedColour}, 1 - double{kLeastImportedColour});
             const double logit = std::log(linear / (1 - linear));
-            for (uint32_t i = 0; i < count; i++) k[i] += weights_[d] * bases_[d][i] * logit;
+            for (uint32_t i = 0; i < count; ++i) k[i] += weights_[d] * bases_[d][i] * logit;
             if (degree_ == 0) k[0] = logit / bases_[d][0];
         }
-        for (uint32_t i = 0; i < count; i++) leaves.values.push_back(static_cast<float>(k[i]));
+        for (uint32_t i = 0; i < count; ++i) leaves.values.push_back(static_cast<float>(k[i]));
     }
 }
 
@@ -178,7 +178,7 @@ void Voxeliser::add_leaf(const std::vector<Blob>& blobs, const Task& of, StillLe
     for (const uint32_t i : of.blobs) {
         const float density = density_at(blobs[i], region);
         sigma += density;
-        for (uint32_t k = 0; k < sh_count(degree_); k++) colour[k] += density * blobs[i].splat->colour[k];
+        for (uint32_t k = 0; k < sh_count(degree_); ++k) colour[k] += density * blobs[i].splat->colour[k];
     }
     if (!(-std::expm1(-sigma * region.edge_m) >= kLeastImportedOpacity) || !std::isfinite(sigma)) return;
     if (leaf_count_++ >= most_leaves_)
@@ -211,7 +211,7 @@ void Voxeliser::descend(const std::vector<Blob>& blobs, const Task& from, uint32
     } else if (tasks && from.at.depth == task_depth) {
         tasks->push_back(std::move(kept));
     } else {
-        for (uint32_t i = 0; i < 8; i++) {
+        for (uint32_t i = 0; i < 8; ++i) {
             kept.at = {2 * from.at.x + (i & 1), 2 * from.at.y + (i >> 1 & 1), 2 * from.at.z + (i >> 2),
                        from.at.depth + 1};
             descend(blobs, kept, task_depth, tasks, leaves);
@@ -223,11 +223,11 @@ StillLeaves Voxeliser::run(const std::vector<Blob>& blobs) {
     StillLeaves all{degree_, {}, {}};
     std::vector<Task> tasks;
     Task root{{0, 0, 0, 0}, {}};
-    for (uint32_t i = 0; i < blobs.size(); i++) root.blobs.push_back(i);
+    for (uint32_t i = 0; i < blobs.size(); ++i) root.blobs.push_back(i);
     descend(blobs, root, std::min(kTaskDepth, box_.depth), &tasks, all);
     std::mutex mutex;
     parallel_for(tasks.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t t = begin; t < end; t++) {
+        for (size_t t = begin; t < end; ++t) {
             between_();
             StillLeaves leaves{degree_, {}, {}};
             descend(blobs, tasks[t], 0, nullptr, leaves);
@@ -261,7 +261,7 @@ std::string farthest_place(const Splats& splats, const SplatBox& box) {
     }
     if (in.empty()) return "";
     glm::vec3 middle;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const auto half = in.begin() + static_cast<ptrdiff_t>(in.size() / 2);
         std::nth_element(in.begin(), half, in.end(),
                          [i](const Splat* a, const Splat* b) { return a->centre[i] < b->centre[i]; });
@@ -278,7 +278,7 @@ voctree::VOctree voxelised(const Splats& splats, const SplatBox& box, double cel
                            const std::function<void()>& between) {
     const glm::dvec3 low = glm::floor(box.low / cell_m), high = glm::floor(box.high / cell_m);
     constexpr double kMostCell = 1e8, kMostCells = 1 << 2 * kMaxNodeLevels;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const bool is_far = !(std::abs(low[i]) < kMostCell) || !(std::abs(high[i]) < kMostCell);
         if (is_far || high[i] - low[i] >= kMostCells)
             throw InputError(file, farthest_place(splats, box),

@@ -46,7 +46,7 @@ float id_of_name(const std::string& name) {
 
 std::vector<std::string> id_channels() {
     std::vector<std::string> names;
-    for (size_t pair = 0; pair < kIdRanks / 2; pair++)
+    for (size_t pair = 0; pair < kIdRanks / 2; ++pair)
         for (const char channel : {'R', 'G', 'B', 'A'})
             names.push_back(fmt::format("{}{:02}.{}", kLayer, pair, channel));
     return names;

@@ -51,7 +51,7 @@ std::vector<char> encode(const DeepImage& image) {
     };
     const DeepChannel<half> colours[] = {colour(0), colour(1), colour(2), colour(3)};
     const char* const names[] = {"R", "G", "B", "A"};
-    for (size_t c = 0; c < 4; c++) colours[c].add(names[c], Imf::HALF, image.width, header, pixels);
+    for (size_t c = 0; c < 4; ++c) colours[c].add(names[c], Imf::HALF, image.width, header, pixels);
     const DeepChannel<float> near(image, [](const DeepSample& sample) { return sample.near_m; });
     const DeepChannel<float> far(image, [](const DeepSample& sample) { return sample.far_m; });
     near.add("Z", Imf::FLOAT, image.width, header, pixels);

@@ -326,7 +326,7 @@ double linear_from_srgb(double srgb) {
 float linear_from_srgb_byte(uint8_t srgb) {
     static const std::array<float, 256> table = [] {
         std::array<float, 256> linear{};
-        for (size_t i = 0; i < 256; i++) linear[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
+        for (size_t i = 0; i < 256; ++i) linear[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
         return linear;
     }();
     return table[srgb];
@@ -336,7 +336,7 @@ uint8_t srgb_byte_from_linear(float linear) {
     // The largest linear value of each byte: half-way to the next byte in encoded values.
     static const std::array<float, 255> edges = [] {
         std::array<float, 255> highest{};
-        for (size_t i = 0; i < 255; i++)
+        for (size_t i = 0; i < 255; ++i)
             highest[i] = static_cast<float>(linear_from_srgb((static_cast<double>(i) + 0.5) / 255));
         return highest;
     }();

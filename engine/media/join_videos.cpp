@@ -86,7 +86,7 @@ void JoinedVideo::append(const Part& part) {
         packet_->duration = time_of(1);
         packet_->stream_index = stream_->index;
         packet_->pos = -1;
-        count++;
+        ++count;
         file_.write(packet_.get());
     }
     if (count == 0 || count < part.stream->nb_frames)

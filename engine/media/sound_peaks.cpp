@@ -16,7 +16,7 @@ class PeakMeter {
     void add(std::span<const StereoSample16> samples) {
         for (const StereoSample16& sample : samples) {
             if (samples_ % kPeakBucket == 0) buckets_.push_back(0);
-            samples_++;
+            ++samples_;
             for (const int16_t side : sample)
                 buckets_.back() = std::max(buckets_.back(), static_cast<uint16_t>(std::abs(int{side})));
         }
@@ -34,7 +34,7 @@ SoundPeaks::SoundPeaks(std::vector<uint16_t> buckets) : levels_{std::move(bucket
     while (levels_.back().size() > 1) {
         const std::vector<uint16_t>& fine = levels_.back();
         std::vector<uint16_t> coarse((fine.size() + 1) / 2);
-        for (size_t i = 0; i < fine.size(); i++) coarse[i / 2] = std::max(coarse[i / 2], fine[i]);
+        for (size_t i = 0; i < fine.size(); ++i) coarse[i / 2] = std::max(coarse[i / 2], fine[i]);
         levels_.push_back(std::move(coarse));
     }
 }
@@ -48,7 +48,7 @@ float SoundPeaks::largest(double from_s, double to_s) const {
          last = static_cast<size_t>(std::min(end_bucket, end));
     uint16_t most = 0;
     // What of the range is no whole pair of buckets is looked at here, the rest on the next, coarser level.
-    for (size_t level = 0; first < last; level++, first /= 2, last /= 2) {
+    for (size_t level = 0; first < last; ++level, first /= 2, last /= 2) {
         if (first % 2 == 1) most = std::max(most, levels_[level][first++]);
         if (last % 2 == 1) most = std::max(most, levels_[level][--last]);
     }

@@ -26,9 +26,9 @@ class SoundTrack {
         while (static_cast<double>(next_sample_) < time_s * kSoundRate) {
             file_.check(av_frame_make_writable(frame_.get()), "have memory for a sound");
             next_(samples_);
-            for (size_t side = 0; side < 2; side++) {
+            for (size_t side = 0; side < 2; ++side) {
                 auto* to = reinterpret_cast<float*>(frame_->extended_data[side]);
-                for (size_t i = 0; i < kSoundHop; i++) to[i] = std::clamp(samples_[i][side], -1.0f, 1.0f);
+                for (size_t i = 0; i < kSoundHop; ++i) to[i] = std::clamp(samples_[i][side], -1.0f, 1.0f);
             }
             frame_->pts = next_sample_;
             next_sample_ += kSoundHop;

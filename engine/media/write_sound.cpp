@@ -89,9 +89,9 @@ void write_sound(const std::filesystem::path& path, const Sound& sound) {
     const NextSamples next = [&](std::array<StereoSample, kSoundHop>& samples) {
         for (StereoSample& sample : samples) {
             const bool is_there = at < sound.samples.size();
-            for (size_t side = 0; side < 2; side++)
+            for (size_t side = 0; side < 2; ++side)
                 sample[side] = is_there ? static_cast<float>(sound.samples[at][side]) / 32768 : 0;
-            at++;
+            ++at;
         }
     };
     Mp4File file(path);

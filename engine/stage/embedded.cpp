@@ -37,7 +37,7 @@ const char* mime_type_of(const std::vector<uint8_t>& file) {
 }
 
 void append_images(GlbWriter& glb, const tinygltf::Model& model) {
-    for (size_t i = 0; i < model.images.size(); i++) {
+    for (size_t i = 0; i < model.images.size(); ++i) {
         const std::vector<uint8_t>& file = model.images[i].image;  // empty where it lies in a buffer
         const char* const mime_type = mime_type_of(file);
         if (!mime_type) continue;

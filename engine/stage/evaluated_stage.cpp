@@ -144,7 +144,7 @@ std::pair<glm::dvec3, glm::dvec3> performers_box(const Stage& stage, const Evalu
     glm::dvec3 low(INFINITY), high(-INFINITY);
     for (const EvaluatedPerformer& performer : evaluated.performers) {
         const StageClip& clip = stage.clips[performer.clip];
-        for (int i = 0; i < 8; i++) {
+        for (int i = 0; i < 8; ++i) {
             const glm::dvec3 corner = clip.box_min + glm::dvec3(i & 1, i >> 1 & 1, i >> 2) * clip.box_size;
             const glm::dvec3 corner_world(performer.world_from_performer * glm::dvec4(corner, 1));
             low = glm::min(low, corner_world);

@@ -163,7 +163,7 @@ void for_objects(const std::string& file, const Json& value, const std::string& 
         visit(value, place);
     } else if (path[0] == "*") {
         if (!value.is_array()) throw InputError(file, place, "is not a list");
-        for (size_t i = 0; i < value.size(); i++)
+        for (size_t i = 0; i < value.size(); ++i)
             for_objects(file, value[i], fmt::format("{}/{}", place, i), path.subspan(1), visit);
     } else if (path[0].empty()) {
         for_objects(file, value, place, path.subspan(1), visit);

@@ -31,7 +31,7 @@ std::string title_of(const Json& object, const char* kind, size_t index) {
 
 void mend_channels(Json& root, MendedGltf& mended) {
     Json& animations = list_of(root, "animations");
-    for (size_t a = 0; a < animations.size(); a++) {
+    for (size_t a = 0; a < animations.size(); ++a) {
         Json kept = Json::array();
         size_t pointers = 0;
         for (const Json& channel : animations[a]["channels"]) {

@@ -138,7 +138,7 @@ void PrimitiveLoader::read_skin_set(uint32_t set) {
 
 void PrimitiveLoader::read_skin() {
     uint32_t sets = 0;
-    while (attribute(fmt::format("JOINTS_{}", sets)) >= 0 || attribute(fmt::format("WEIGHTS_{}", sets)) >= 0) sets++;
+    while (attribute(fmt::format("JOINTS_{}", sets)) >= 0 || attribute(fmt::format("WEIGHTS_{}", sets)) >= 0) ++sets;
     if (sets == 0) return;
     spend(uint64_t{8} * sets * out.positions.size());
     out.joint_sets = sets;
@@ -315,7 +315,7 @@ void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<Mat
                 continue;
             }
             if (!source.primitives[p].attributes.contains("POSITION")) {
-                without_positions++;
+                ++without_positions;
                 continue;
             }
             other_targets += has_other_targets(source.primitives[p]) ? 1 : 0;

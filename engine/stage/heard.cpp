@@ -82,11 +82,11 @@ Heard::Grain Heard::aligned(Grain grain) const {
 }
 
 void Heard::add_hop(std::array<media::StereoSample, kSoundHop>& samples, float gain) {
-    hops_++;
+    ++hops_;
     const Grain grain = aligned(grain_at(static_cast<double>(hops_ * kSoundHop) / kSoundRate));
-    for (size_t i = 0; i < kSoundHop; i++) {
+    for (size_t i = 0; i < kSoundHop; ++i) {
         const media::StereoSample out = sample(before_, kSoundHop + i), in = sample(grain, i);
-        for (size_t side = 0; side < 2; side++)
+        for (size_t side = 0; side < 2; ++side)
             samples[i][side] += gain * (window(kSoundHop + i) * out[side] + window(i) * in[side]);
     }
     before_ = grain;

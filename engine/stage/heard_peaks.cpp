@@ -21,7 +21,7 @@ void unite(ClipParts& parts) {
     if (parts.size() < 2) return;
     std::sort(parts.begin(), parts.end(), [](const ClipPart& a, const ClipPart& b) { return a.begin < b.begin; });
     size_t last = 0;
-    for (size_t i = 1; i < parts.size(); i++) {
+    for (size_t i = 1; i < parts.size(); ++i) {
         if (parts[i].begin <= parts[last].end)
             parts[last].end = std::max(parts[last].end, parts[i].end);
         else
@@ -41,7 +41,7 @@ void add_ping_ponged(ClipParts& parts, const ClipPart& part, double from, double
     if (!(there > kFrameTolerance)) return;  // it stands still
     if (part.end - part.begin >= 2 * there) return add_part(parts, from, from + there);
     const double begin = std::fmod(part.begin, 2 * there), end = begin + (part.end - part.begin);
-    for (int way = 0; way < 4; way++) {  // there, back, and again: it ends before four times as far
+    for (int way = 0; way < 4; ++way) {  // there, back, and again: it ends before four times as far
         const double low = std::max(begin - way * there, 0.0), high = std::min(end - way * there, there);
         if (way % 2 == 0)
             add_part(parts, from + low, from + high);
@@ -121,7 +121,7 @@ void heard_peaks(const media::SoundPeaks& peaks, const Timeline& timeline, doubl
     const double speed = speed_of(timeline);
     if (speed < kLeastHeardSpeed || speed > kMostHeardSpeed) return;
     ClipParts parts, before;
-    for (size_t i = 0; i < columns.size(); i++) {
+    for (size_t i = 0; i < columns.size(); ++i) {
         const double from_s = begin_s + static_cast<double>(i) * column_s;
         heard_parts_with(timeline, from_s, begin_s + static_cast<double>(i + 1) * column_s, parts, before);
         for (const ClipPart& part : parts)

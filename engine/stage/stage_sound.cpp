@@ -46,17 +46,17 @@ StageSound::Gains StageSound::gains_of(const OfPerformer& one, const EvaluatedSt
 void StageSound::next(std::array<media::StereoSample, kSoundHop>& samples) {
     samples.fill({});
     if (is_silent()) return;
-    hops_++;
+    ++hops_;
     const EvaluatedStage evaluated = stage_at(stage_, begin_s_ + static_cast<double>(hops_ * kSoundHop) / kSoundRate);
     const glm::dmat4 world_from_ear = ear_at_(evaluated);
     for (OfPerformer& one : heard_) {
         std::array<media::StereoSample, kSoundHop> own{};
         one.heard.add_hop(own, one.own_gain);
         const Gains next = gains_of(one, evaluated, world_from_ear);
-        for (size_t i = 0; i < kSoundHop; i++) {
+        for (size_t i = 0; i < kSoundHop; ++i) {
             const float mono = (own[i][0] + own[i][1]) / 2;
             const float passed = static_cast<float>(i + 1) / kSoundHop;
-            for (size_t side = 0; side < 2; side++)
+            for (size_t side = 0; side < 2; ++side)
                 samples[i][side] += mono * std::lerp(one.gains[side], next[side], passed);
         }
         one.gains = next;

@@ -9,7 +9,7 @@
 namespace neuvv::stream {
 
 inline void append_number(std::vector<uint8_t>& bytes, uint64_t number, int count) {
-    for (int i = 0; i < count; i++) bytes.push_back(static_cast<uint8_t>(number >> 8 * i));
+    for (int i = 0; i < count; ++i) bytes.push_back(static_cast<uint8_t>(number >> 8 * i));
 }
 
 // Reads numbers one after the other. Throws std::runtime_error where there are not enough bytes.
@@ -19,7 +19,7 @@ class ByteReader {
     uint64_t number(uint32_t count) {
         const std::span<const uint8_t> bytes = take(count);
         uint64_t value = 0;
-        for (uint32_t i = 0; i < count; i++) value |= uint64_t{bytes[i]} << 8 * i;
+        for (uint32_t i = 0; i < count; ++i) value |= uint64_t{bytes[i]} << 8 * i;
         return value;
     }
     std::span<const uint8_t> take(uint64_t count) {

@@ -27,8 +27,8 @@ constexpr int kMaxNumber = 32000;
 std::vector<std::array<int16_t, kPairs>> numbers_of(const Coefficients& coefficients, double step, Kind kind) {
     const double up = kind >= kShLuma ? kRoundUpSh : kRoundUp;
     std::vector<std::array<int16_t, kPairs>> numbers(coefficients.values.size());
-    for (size_t cell = 0; cell < numbers.size(); cell++)
-        for (size_t n = 1; n < kPairs; n++) {
+    for (size_t cell = 0; cell < numbers.size(); ++cell)
+        for (size_t n = 1; n < kPairs; ++n) {
             const double value = coefficients.values[cell][n];
             const double number = std::floor(std::min(std::abs(value) / step + 1 - up, double{kMaxNumber}));
             numbers[cell][n] = static_cast<int16_t>(value < 0 ? -number : number);
@@ -42,7 +42,7 @@ void encode_planes(const Slice& slice, const Octree& tree, const Pairs& pairs, s
     parallel_for(count, 3, [&](size_t begin, size_t end) {
         std::vector<std::vector<std::array<int16_t, kPairs>>> numbers;
         std::vector<PlaneOfTree> planes;
-        for (uint32_t plane = first + static_cast<uint32_t>(begin); plane < first + end; plane++) {
+        for (uint32_t plane = first + static_cast<uint32_t>(begin); plane < first + end; ++plane) {
             const Kind kind = kind_of(plane);
             const Coefficients coefficients = transform(tree, pairs, factors, slice.planes[plane]);
             numbers.push_back(numbers_of(coefficients, frame.steps[kind], kind));
@@ -73,7 +73,7 @@ bool is_same(const Slice& slice, size_t a, const Slice& before, size_t b, size_t
                           other.begin() + static_cast<ptrdiff_t>(b));
     };
     if (!same(slice.leaves, before.leaves)) return false;
-    for (size_t plane = 0; plane < slice.planes.size(); plane++)
+    for (size_t plane = 0; plane < slice.planes.size(); ++plane)
         if (!same(slice.planes[plane], before.planes[plane])) return false;
     return true;
 }
@@ -82,20 +82,20 @@ bool is_same(const Slice& slice, size_t a, const Slice& before, size_t b, size_t
 // coefficients of half a step.
 bool is_similar(const Slice& slice, size_t a, const Slice& before, size_t b, size_t count, const Steps& steps) {
     std::vector<double> weights(count);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         if (slice.leaves[a + i] != before.leaves[b + i]) return false;
         weights[i] = std::exp2(2 * (slice.depth - slice.leaves[a + i].depth));
     }
-    for (uint32_t plane = 0; plane < slice.planes.size(); plane++) {
+    for (uint32_t plane = 0; plane < slice.planes.size(); ++plane) {
         double squares = 0;
-        for (size_t i = 0; i < count; i++) {
+        for (size_t i = 0; i < count; ++i) {
             const double apart = slice.planes[plane][a + i] - before.planes[plane][b + i];
             squares += weights[i] * apart * apart;
         }
         const double step = steps[kind_of(plane)];
         if (squares > 0.25 * step * step * static_cast<double>(count)) return false;
         if (plane == kOpacityPlane)
-            for (size_t i = 0; i < count; i++)
+            for (size_t i = 0; i < count; ++i)
                 weights[i] *= std::max(before.planes[kOpacityPlane][b + i], kLeastOpacity) / double{kUnit};
     }
     return true;
@@ -107,7 +107,7 @@ void append_leaves(const Slice& from, size_t begin, size_t end, Slice& to) {
                    numbers.begin() + static_cast<ptrdiff_t>(end));
     };
     append(from.leaves, to.leaves);
-    for (size_t plane = 0; plane < from.planes.size(); plane++) append(from.planes[plane], to.planes[plane]);
+    for (size_t plane = 0; plane < from.planes.size(); ++plane) append(from.planes[plane], to.planes[plane]);
 }
 
 Slice without_leaves(const Slice& slice) {
@@ -124,9 +124,9 @@ Slice encode_repeated(const Slice& slice, const FrameBefore& frames, FrameSymbol
     const std::vector<size_t> blocks = blocks_of(before.leaves), own = blocks_of(slice.leaves);
     std::vector<bool> repeats(blocks.size() - 1);
     std::vector<bool> is_taken(slice.leaves.size());
-    for (size_t i = 0, at = 0; i + 1 < blocks.size(); i++) {
+    for (size_t i = 0, at = 0; i + 1 < blocks.size(); ++i) {
         const uint64_t block = before.leaves[blocks[i]].cell >> kBlockBits;
-        while (at + 1 < own.size() && slice.leaves[own[at]].cell >> kBlockBits < block) at++;
+        while (at + 1 < own.size() && slice.leaves[own[at]].cell >> kBlockBits < block) ++at;
         if (at + 1 == own.size()) break;
         const size_t count = blocks[i + 1] - blocks[i];
         if (own[at + 1] - own[at] != count) continue;
@@ -138,7 +138,7 @@ Slice encode_repeated(const Slice& slice, const FrameBefore& frames, FrameSymbol
     }
     repeated = code_repeated(frame.shape, before.leaves, &repeats);
     Slice rest = without_leaves(slice);
-    for (size_t i = 0; i < slice.leaves.size(); i++)
+    for (size_t i = 0; i < slice.leaves.size(); ++i)
         if (!is_taken[i]) append_leaves(slice, i, i + 1, rest);
     return rest;
 }
@@ -194,7 +194,7 @@ FrameBytes bytes_of(const FrameSymbols& frame, const Tables& tables) {
         const auto [first, end] = planes_of_part(part, static_cast<uint32_t>(frame.roots.size()));
         const auto& streams = part == kCoarse || part == kShCoarse ? frame.coarse : frame.fine;
         std::vector<uint8_t> all;
-        for (uint32_t plane = first; plane < end; plane++) {
+        for (uint32_t plane = first; plane < end; ++plane) {
             const std::vector<uint8_t> one = streams[plane].bytes(tables);
             append_number(result.parts[part], one.size(), 4);
             all.insert(all.end(), one.begin(), one.end());

@@ -69,9 +69,9 @@ class PlanesReader {
         const auto [first, end] = planes_of_part(part, planes_);
         ByteReader reader(bytes);
         std::vector<uint64_t> lengths;
-        for (uint32_t plane = first; plane < end; plane++) lengths.push_back(reader.number(4));
+        for (uint32_t plane = first; plane < end; ++plane) lengths.push_back(reader.number(4));
         auto& streams = part == kCoarse || part == kShCoarse ? coarse_ : fine_;
-        for (uint32_t plane = first; plane < end; plane++) streams[plane] = reader.take(lengths[plane - first]);
+        for (uint32_t plane = first; plane < end; ++plane) streams[plane] = reader.take(lengths[plane - first]);
         reader.expect_end();
         for (const uint64_t length : lengths)
             if (tree_.leaf_count == 0 && length > 0) throw std::runtime_error("has planes without leaves");
@@ -93,7 +93,7 @@ class PlanesReader {
     // Decodes `count` planes from `first` on, which are all in the same parts.
     void decode_planes(const Pairs& pairs, uint32_t first, uint32_t count) {
         std::vector<PlaneOfTree> own;
-        for (uint32_t plane = first; plane < first + count; plane++) {
+        for (uint32_t plane = first; plane < first + count; ++plane) {
             decoded_[plane].resize(tree_.leaf_count);
             own.push_back({plane,
                            static_cast<float>(shape_.roots[plane]),
@@ -104,7 +104,7 @@ class PlanesReader {
         const bool is_mean = first < kPlanesOfMean;
         const auto readers_of = [&](const auto& streams, Part part) {
             std::vector<SymbolReader> readers;
-            for (uint32_t plane = first; part <= last_ && plane < first + count; plane++)
+            for (uint32_t plane = first; part <= last_ && plane < first + count; ++plane)
                 readers.emplace_back(streams[plane], tables_);
             return readers;
         };
@@ -143,7 +143,7 @@ Slice decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, 
 Slice decode(const FrameBytes& frame, Part last, const Tables& tables, const Format& format, const Slice* before) {
     const FrameShape shape = decode_shape(frame.parts[kShape], tables, format, before ? &before->leaves : nullptr);
     PartBytes bytes;
-    for (uint32_t part = 0; part <= last; part++) bytes[part] = frame.parts[part];
+    for (uint32_t part = 0; part <= last; ++part) bytes[part] = frame.parts[part];
     return decode_planes(shape, bytes, last, tables, format, before);
 }
 

@@ -189,7 +189,7 @@ HttpSource::~HttpSource() {
 
 HttpSource::Answer HttpSource::request(uint64_t offset, uint64_t count) {
     Watched watched{cancelled_, {server_of(address_), kBlock, most_s_a_block_}};  // all tries share the time
-    for (int tries = 1;; tries++) {
+    for (int tries = 1;; ++tries) {
         Answer answer;
         answer.most = count;
         char problem[CURL_ERROR_SIZE] = {};
@@ -264,9 +264,9 @@ void HttpSource::keep_copies(uint64_t first, const std::vector<uint8_t>& bytes) 
 // The first of these blocks that are not here, as many as follow each other; none where all are.
 HttpSource::Blocks HttpSource::missing_locked(const Blocks& in) const {
     Blocks missing{in.first, in.first};
-    while (missing.first < in.end && blocks_.contains(missing.first)) missing.first++;
+    while (missing.first < in.end && blocks_.contains(missing.first)) ++missing.first;
     missing.end = missing.first;
-    while (missing.end < in.end && missing.count() < kMostOfARequest && !blocks_.contains(missing.end)) missing.end++;
+    while (missing.end < in.end && missing.count() < kMostOfARequest && !blocks_.contains(missing.end)) ++missing.end;
     return missing;
 }
 
@@ -386,7 +386,7 @@ std::vector<uint8_t> HttpSource::read(uint64_t offset, uint64_t count) {
     bytes.reserve(count);
     std::unique_lock lock(mutex_);
     const uint64_t end_block = (offset + count - 1) / kBlock + 1;
-    for (uint64_t block = offset / kBlock; block < end_block; block++) {
+    for (uint64_t block = offset / kBlock; block < end_block; ++block) {
         needed_ = {block, std::min(end_block, block + kMostOfARequest)};
         const auto has_block = [&](const Blocks& blocks) { return block >= blocks.first && block < blocks.end; };
         if (std::ranges::none_of(ahead_, has_block)) ahead_ = {};  // it was said for another place

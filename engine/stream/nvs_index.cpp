@@ -97,7 +97,7 @@ void expect_sound(const Group& group, const Index& index, uint64_t offset) {
     if (group.format.depth < 2 || group.format.depth > kMaxDepth || group.format.depth % 2 != 0 ||
         group.format.degree > kMaxDegree || group.format.most_leaves > kMaxStreamLeaves)
         fail("has a form that this program does not know");
-    for (size_t axis = 0; axis < 3; axis++)
+    for (size_t axis = 0; axis < 3; ++axis)
         if (!std::isfinite(group.box_min[axis]) || !(group.box_size[axis] >= kLeastBox) ||
             !std::isfinite(group.box_min[axis] + group.box_size[axis]))
             fail("has a box that cannot be");
@@ -113,7 +113,7 @@ void link_groups(Index& index, uint64_t head_size, uint64_t file_bytes) {
         group.first = first;
         expect_sound(group, index, offset);
         offset += group.table_bytes;
-        for (uint32_t i = 0; i < group.frames; i++) offset += index.frames[first + i].all_bytes();
+        for (uint32_t i = 0; i < group.frames; ++i) offset += index.frames[first + i].all_bytes();
         first += group.frames;
     }
     if (first != index.frames.size()) throw BadHead("the index", "has frames without a group", kPublishAgain);
@@ -131,7 +131,7 @@ uint64_t FrameEntry::all_bytes() const {
 }
 
 uint32_t Index::key_of(uint32_t frame) const {
-    while (!frames[frame].is_key) frame--;
+    while (!frames[frame].is_key) --frame;
     return frame;
 }
 
@@ -145,15 +145,15 @@ ByteRange Index::place_of(uint32_t frame, Part part) const {
     const Group& group = groups[number];
     uint64_t offset =
         part == kShape ? group.offset + group.table_bytes : place_of_group(number, static_cast<Part>(part - 1)).end();
-    for (uint32_t before = group.first; before < frame; before++) offset += frames[before].bytes[part];
+    for (uint32_t before = group.first; before < frame; ++before) offset += frames[before].bytes[part];
     return {offset, frames[frame].bytes[part]};
 }
 
 ByteRange Index::place_of_group(uint32_t number, Part last) const {
     const Group& group = groups[number];
     ByteRange range{group.offset, group.table_bytes};
-    for (uint32_t frame = group.first; frame < group.first + group.frames; frame++)
-        for (uint32_t part = 0; part <= last; part++) range.count += frames[frame].bytes[part];
+    for (uint32_t frame = group.first; frame < group.first + group.frames; ++frame)
+        for (uint32_t part = 0; part <= last; ++part) range.count += frames[frame].bytes[part];
     return range;
 }
 
@@ -168,7 +168,7 @@ std::vector<uint8_t> bytes_of(const Index& index) {
     append_number(bytes, index.groups.size(), 4);
     append_float(bytes, index.fps);
     append_origin_xy(bytes, index.capture);
-    for (size_t i = 0; i < index.groups.size(); i++)
+    for (size_t i = 0; i < index.groups.size(); ++i)
         append_group(bytes, index.groups[i], i == 0 ? index.capture : CaptureFrame{});
     for (const FrameEntry& frame : index.frames) {
         append_number(bytes, frame.is_key ? 1 : 0, 4);
@@ -202,7 +202,7 @@ Index read_index(std::span<const uint8_t> head, uint64_t file_bytes) {
     index.fps = read_float(reader);
     index.capture.origin[0] = read_coordinate(reader);
     index.capture.origin[1] = read_coordinate(reader);
-    for (size_t i = 0; i < index.groups.size(); i++)
+    for (size_t i = 0; i < index.groups.size(); ++i)
         index.groups[i] = read_group(reader, i == 0 ? &index.capture : nullptr);
     for (FrameEntry& frame : index.frames) {
         const uint64_t flag = reader.number(4);

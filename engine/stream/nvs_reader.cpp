@@ -103,7 +103,7 @@ std::shared_ptr<const Tables> Reader::tables_locked(uint32_t number) {
 void Reader::read_ahead_locked(uint32_t frame, Part last) {
     std::vector<ByteRange> ranges;
     double ahead_s = 0;
-    for (uint32_t group = index_.group_of(frame); group < index_.groups.size() && ahead_s < kAhead_s; group++) {
+    for (uint32_t group = index_.group_of(frame); group < index_.groups.size() && ahead_s < kAhead_s; ++group) {
         ranges.push_back(index_.place_of_group(group, last));
         const Group& one = index_.groups[group];
         ahead_s += (one.first + one.frames - std::max(frame, one.first)) / double{index_.fps};
@@ -137,7 +137,7 @@ std::shared_ptr<Reader::FrameInProgress> Reader::begin_towards(uint32_t frame, P
             next = one->frame + 1;
         }
     const uint64_t end = std::min<uint64_t>(uint64_t{frame} + 1, uint64_t{next} + kKept);
-    for (; next < end; next++) known = begin_next_locked(next, last, known);
+    for (; next < end; ++next) known = begin_next_locked(next, last, known);
     return known;
 }
 
@@ -182,7 +182,7 @@ std::shared_ptr<const Slice> Reader::slice_of(FrameInProgress& begun) {
     uint64_t count = 0;
     {
         const std::lock_guard lock(mutex_);
-        for (uint32_t part = kShape + 1; part <= begun.last; part++) {
+        for (uint32_t part = kShape + 1; part <= begun.last; ++part) {
             bytes[part] = part_locked(begun.frame, static_cast<Part>(part));
             parts[part] = bytes[part];
             count += bytes[part].size();
@@ -235,7 +235,7 @@ Part Reader::part_in_time(uint32_t frame) {
         if (one.group == number) return one.last;
     const Group& group = index_.groups[number];
     GroupCost cost;
-    for (uint32_t part = 0; part < kParts; part++)
+    for (uint32_t part = 0; part < kParts; ++part)
         cost.bytes_until[part] = index_.place_of_group(number, static_cast<Part>(part)).count;
     cost.frames = group.frames;
     cost.seconds = group.frames / double{index_.fps};

@@ -59,16 +59,16 @@ uint64_t Writer::add(Group group, const std::vector<FrameSymbols>& frames) {
     group.table_bytes = static_cast<uint32_t>(bytes.tables.size());
     group.table_check = check_of(bytes.tables);
     write(bytes.tables);
-    for (size_t i = 0; i < frames.size(); i++) {
+    for (size_t i = 0; i < frames.size(); ++i) {
         const FrameBytes& frame = bytes.frames[i];
         FrameEntry& entry = index_.frames.emplace_back();
         entry.is_key = frames[i].is_key;
-        for (uint32_t part = 0; part < kParts; part++) {
+        for (uint32_t part = 0; part < kParts; ++part) {
             entry.bytes[part] = static_cast<uint32_t>(frame.parts[part].size());
             entry.checks[part] = check_of(frame.parts[part]);
         }
     }
-    for (uint32_t part = 0; part < kParts; part++)
+    for (uint32_t part = 0; part < kParts; ++part)
         for (const FrameBytes& frame : bytes.frames) write(frame.parts[part]);
     index_.groups.push_back(group);
     return next_ - group.offset + head_bytes(1, frames.size());

@@ -32,7 +32,7 @@ Octree octree_of(const std::vector<Leaf>& leaves, uint32_t depth) {
     Octree tree;
     if (leaves.empty()) return tree;
     tree.cells.resize(depth);
-    for (uint32_t d = 0; d < depth; d++) {
+    for (uint32_t d = 0; d < depth; ++d) {
         std::vector<Cell>& cells = tree.cells[d];
         for (const Leaf& leaf : leaves) {
             if (leaf.depth < d) continue;
@@ -59,15 +59,15 @@ struct Numbering {
     void number(size_t depth, uint32_t count) {
         Cell* cell = &tree.cells[depth][next[depth]];
         next[depth] += count;
-        for (Cell* end = cell + count; cell < end; cell++) {
+        for (Cell* end = cell + count; cell < end; ++cell) {
             const uint32_t children = octant_count(cell->children);
             const bool is_above_leaves = depth + 1 == tree.cells.size();
             cell->first = children == 0 || is_above_leaves ? leaves : next[depth + 1];
             if (children == 0) {
-                leaves++;
+                ++leaves;
                 continue;
             }
-            divided++;
+            ++divided;
             if (is_above_leaves)
                 leaves += children;
             else
@@ -87,7 +87,7 @@ void link_cells(Octree& tree) {
 
 std::vector<Leaf> leaves_of(const Octree& tree, uint32_t depth) {
     std::vector<Leaf> leaves(tree.leaf_count);
-    for (uint32_t d = 0; d < tree.cells.size(); d++)
+    for (uint32_t d = 0; d < tree.cells.size(); ++d)
         for (const Cell& cell : tree.cells[d]) {
             if (!cell.children) leaves[cell.first] = {cell.code << 3 * (depth - d), d};
             if (d + 1 < depth) continue;
@@ -124,7 +124,7 @@ struct Around {
 Around around(const std::vector<Cell>& cells, const Cell& own, const Neighbours& neighbours) {
     static constexpr Cell kEmpty;
     Around all{own, {}};
-    for (size_t side = 0; side < 6; side++)
+    for (size_t side = 0; side < 6; ++side)
         all.beside[side] = *(neighbours[side] == kNone ? &kEmpty : &cells[neighbours[side]]);
     return all;
 }
@@ -134,7 +134,7 @@ uint64_t patterns_of(const Around& all) {
     // By axis: the octants on its lower side. Those on the upper side are so many bits higher.
     constexpr std::array<uint32_t, 3> kLower = {0x55, 0x33, 0x0f}, kStep = {1, 2, 4};
     uint64_t sides = 0;  // byte `side` has the octants that have a neighbour there
-    for (size_t axis = 0; axis < 3; axis++) {
+    for (size_t axis = 0; axis < 3; ++axis) {
         const uint32_t own = all.own.children, lower = kLower[axis], step = kStep[axis];
         const uint32_t before = all.beside[2 * axis].children, behind = all.beside[2 * axis + 1].children;
         sides |= uint64_t{(own & lower) << step | (before >> step & lower)} << 16 * axis;
@@ -145,7 +145,7 @@ uint64_t patterns_of(const Around& all) {
 
 Neighbours neighbours_of(const Around& all, uint32_t octant) {
     Neighbours neighbours;
-    for (uint32_t axis = 0; axis < 3; axis++) {
+    for (uint32_t axis = 0; axis < 3; ++axis) {
         // Towards the octant's own side lies another cell, else a sibling.
         const uint32_t own_side = octant >> axis & 1, beside = octant ^ 1u << axis;
         neighbours[2 * axis + own_side] = child_of(all.beside[2 * axis + own_side], beside);

@@ -16,7 +16,7 @@ constexpr uint32_t kNone = UINT32_MAX;
 // How many of a cell's octants are cells, by a table, because not every processor counts bits.
 constexpr std::array<uint8_t, 256> kOctantCounts = [] {
     std::array<uint8_t, 256> counts{};
-    for (uint32_t octants = 0; octants < 256; octants++) counts[octants] = static_cast<uint8_t>(std::popcount(octants));
+    for (uint32_t octants = 0; octants < 256; ++octants) counts[octants] = static_cast<uint8_t>(std::popcount(octants));
     return counts;
 }();
 constexpr uint32_t octant_count(uint8_t children) {

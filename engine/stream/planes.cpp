@@ -89,11 +89,11 @@ Values values_of(float value, const Numbers& numbers, float step, const CellPair
 // which is faster than to count. Those behind the cell's own children are written later.
 template <typename Number>
 void write_children(const std::array<Number, 8>& numbers, const std::array<uint8_t, 8>& from, Number* to) {
-    for (size_t child = 0; child < 8; child++) to[child] = numbers[from[child]];
+    for (size_t child = 0; child < 8; ++child) to[child] = numbers[from[child]];
 }
 template <typename Number>
 void fill_children(Number number, Number* to) {
-    for (size_t child = 0; child < 8; child++) to[child] = number;
+    for (size_t child = 0; child < 8; ++child) to[child] = number;
 }
 
 // One walk over a tree, depth by depth, for some of its planes.
@@ -118,7 +118,7 @@ class Walk {
         std::vector<std::pair<uint32_t, uint32_t>> large;  // leaves above the finest depth, and their cells
         large.reserve(tree_.large_count());
         uint32_t number = 0;  // of the cell
-        for (size_t d = 0; d < finest_; d++) {
+        for (size_t d = 0; d < finest_; ++d) {
             const std::vector<Cell>& cells = tree_.cells[d];
             const bool is_last = d + 1 == finest_;
             coders_ = is_last ? fine : coarse;
@@ -131,7 +131,7 @@ class Walk {
                     divide<true>(cell, number);
                 else
                     divide<false>(cell, number);
-                number++;
+                ++number;
             }
         }
         // Now there is nothing more that is written over them.
@@ -158,25 +158,25 @@ class Walk {
         const Splits& splits = kSplits[cell.children];
         uint64_t some = 0;  // planes with a number that is not 0
         if (!coders_.empty() && splits.count > 0)
-            for (size_t p = 0; p < planes_.size(); p++)
+            for (size_t p = 0; p < planes_.size(); ++p)
                 some |= uint64_t{code_any(coders_[p], planes_[p], splits, planes_[p].activities[number])} << p;
         if constexpr (kLast) {
             const uint32_t first = cell.first;
             if (first + 8 <= tree_.leaf_count) {
-                for (size_t p = 0; p < planes_.size(); p++)
+                for (size_t p = 0; p < planes_.size(); ++p)
                     set_leaves(p, number, splits, some >> p & 1, planes_[p].given.leaves.data() + first);
             } else {  // there may be no place for eight
-                for (size_t p = 0; p < planes_.size(); p++) {
+                for (size_t p = 0; p < planes_.size(); ++p) {
                     std::array<int16_t, 8> leaves;
                     set_leaves(p, number, splits, some >> p & 1, leaves.data());
                     std::copy_n(leaves.data(), splits.count + 1, planes_[p].given.leaves.data() + first);
                 }
             }
         } else {
-            for (size_t p = 0; p < planes_.size(); p++)
+            for (size_t p = 0; p < planes_.size(); ++p)
                 set_cells(p, number, splits, some >> p & 1, below_ + cell.first);
         }
-        divided_++;
+        ++divided_;
     }
 
     void set_leaves(size_t p, size_t number, const Splits& splits, bool has_numbers, int16_t* leaves) {
@@ -187,7 +187,7 @@ class Walk {
         activities[0] = plane.activities[number];
         const Values values = coded_values(p, value, splits, activities);
         std::array<int16_t, 8> whole;
-        for (size_t k = 0; k < 8; k++) whole[k] = rounded(values[k], plane.least, plane.most);
+        for (size_t k = 0; k < 8; ++k) whole[k] = rounded(values[k], plane.least, plane.most);
         write_children(whole, splits.octant, leaves);
     }
 
@@ -210,7 +210,7 @@ class Walk {
     uint32_t code_any(Coder& coder, const Plane& plane, const Splits& splits, Activity activity) {
         uint32_t any = 0;
         if constexpr (Coder::kWrites)
-            for (uint32_t k = 0; k < splits.count; k++) any |= plane.given.numbers[divided_][splits.pair[k]] != 0;
+            for (uint32_t k = 0; k < splits.count; ++k) any |= plane.given.numbers[divided_][splits.pair[k]] != 0;
         return coder.take_either(kAnyTables + plane.first_table + activity_context(activity), any);
     }
 
@@ -233,7 +233,7 @@ class Walk {
     static void code_numbers(Coder& coder, uint32_t first_table, const Splits& splits, Numbers& numbers,
                              std::array<Activity, 8>& activities) {
         int32_t seen = 0;  // 0 where all numbers are
-        for (uint32_t k = 0; k < splits.count; k++) {
+        for (uint32_t k = 0; k < splits.count; ++k) {
             Activity activity = activities[splits.above[k]];
             int16_t& number = numbers[splits.pair[k]];
             number = code_number(coder, kNumberTables + first_table, number, activity);

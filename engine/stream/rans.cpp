@@ -27,7 +27,7 @@ Table Table::of_counts(std::span<const uint32_t> counts) {
     const uint64_t sum = std::accumulate(counts.begin(), counts.end(), uint64_t{0});
     std::vector<uint16_t> shares(counts.size());
     if (sum == 0) shares[0] = kAll;
-    for (size_t i = 0; i < counts.size(); i++)
+    for (size_t i = 0; i < counts.size(); ++i)
         if (counts[i] > 0)
             shares[i] = static_cast<uint16_t>(std::max<uint64_t>((uint64_t{counts[i]} * kAll + sum / 2) / sum, 1));
     if (sum > 0) balance(shares);
@@ -46,14 +46,14 @@ Table Table::of_shares(std::vector<uint16_t> shares) {
 void Table::finish() {
     share_of_0_ = shares_[0];
     uint32_t next = 0;
-    for (size_t i = 0; i < shares_.size(); i++) {
+    for (size_t i = 0; i < shares_.size(); ++i) {
         ranges_[i] = {static_cast<uint16_t>(next), shares_[i]};
         next += shares_[i];
     }
     uint32_t symbol = 0;
-    for (uint32_t bucket = 0; bucket < first_symbols_.size(); bucket++) {
+    for (uint32_t bucket = 0; bucket < first_symbols_.size(); ++bucket) {
         const uint32_t value = bucket << kBucketBits;
-        while (value - ranges_[symbol].first >= ranges_[symbol].share) symbol++;
+        while (value - ranges_[symbol].first >= ranges_[symbol].share) ++symbol;
         first_symbols_[bucket] = static_cast<uint8_t>(symbol);
     }
 }

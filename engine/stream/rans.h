@@ -31,7 +31,7 @@ class Table {
     // The symbol of a value below 2^kTableBits.
     uint32_t symbol(uint32_t value) const {
         uint32_t symbol = first_symbols_[value >> kBucketBits];
-        while (value - ranges_[symbol].first >= ranges_[symbol].share) symbol++;
+        while (value - ranges_[symbol].first >= ranges_[symbol].share) ++symbol;
         return symbol;
     }
 

@@ -6,7 +6,7 @@ namespace neuvv::stream {
 
 std::vector<size_t> blocks_of(const std::vector<Leaf>& leaves) {
     std::vector<size_t> first;
-    for (size_t i = 0; i < leaves.size(); i++)
+    for (size_t i = 0; i < leaves.size(); ++i)
         if (i == 0 || leaves[i].cell >> kBlockBits != leaves[i - 1].cell >> kBlockBits) first.push_back(i);
     first.push_back(leaves.size());
     return first;
@@ -32,7 +32,7 @@ MergedLeaves merge_leaves(const std::vector<Leaf>& before, const std::vector<uin
         if (!merged.runs.empty()) {
             MergedLeaves::Run& run = merged.runs.back();
             if (run.is_repeated == is_repeated && run.first + run.count == index) {
-                run.count++;
+                ++run.count;
                 return;
             }
         }
@@ -42,10 +42,10 @@ MergedLeaves merge_leaves(const std::vector<Leaf>& before, const std::vector<uin
         const bool takes_own = i == repeated.size() || (j < own.size() && own[j].cell <= before[repeated[i]].cell);
         if (takes_own) {
             append(own[j], false, static_cast<uint32_t>(j));
-            j++;
+            ++j;
         } else {
             append(before[repeated[i]], true, repeated[i]);
-            i++;
+            ++i;
         }
     }
     return merged;
@@ -54,7 +54,7 @@ MergedLeaves merge_leaves(const std::vector<Leaf>& before, const std::vector<uin
 Planes merge_planes(const MergedLeaves& merged, const Planes* before, Planes own) {
     if (!merged.repeats_any) return own;
     Planes planes(own.size());
-    for (size_t plane = 0; plane < planes.size(); plane++) {
+    for (size_t plane = 0; plane < planes.size(); ++plane) {
         planes[plane].reserve(merged.leaves.size());
         for (const MergedLeaves::Run& run : merged.runs) {
             const std::vector<int16_t>& from = run.is_repeated ? (*before)[plane] : own[plane];

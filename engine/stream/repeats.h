@@ -18,9 +18,9 @@ std::vector<uint32_t> code_repeated(Coder& coder, const std::vector<Leaf>& befor
     std::vector<uint32_t> repeated;
     const std::vector<size_t> blocks = blocks_of(before);
     uint32_t last = 0;
-    for (size_t i = 0; i + 1 < blocks.size(); i++) {
+    for (size_t i = 0; i + 1 < blocks.size(); ++i) {
         last = coder.take(kRepeatTables + last, repeats && (*repeats)[i] ? 1 : 0);
-        for (size_t leaf = blocks[i]; last && leaf < blocks[i + 1]; leaf++)
+        for (size_t leaf = blocks[i]; last && leaf < blocks[i + 1]; ++leaf)
             repeated.push_back(static_cast<uint32_t>(leaf));
     }
     return repeated;

@@ -29,7 +29,7 @@ template <typename Coder>
 void code_octants(Coder& coder, std::vector<Cell>& cells, const std::vector<uint8_t>& leaves,
                   const std::vector<uint8_t>& patterns, bool is_finest) {
     const uint8_t* pattern = patterns.data();
-    for (size_t i = 0; i < cells.size(); i++) {
+    for (size_t i = 0; i < cells.size(); ++i) {
         if (leaves[i]) continue;
         const uint32_t table = kOctantTables + (is_finest ? 0 : 64) + *pattern++;
         cells[i].children = static_cast<uint8_t>(coder.take(table, cells[i].children));
@@ -46,7 +46,7 @@ std::vector<uint8_t> code_leaves(Coder& coder, const std::vector<Cell>& cells, c
     leaves.reserve(4 * cells.size());
     for (const Cell& cell : cells) {
         uint32_t before = 0;
-        for (uint32_t c = 0; c < octant_count(cell.children); c++) {
+        for (uint32_t c = 0; c < octant_count(cell.children); ++c) {
             const bool is_leaf = children && (*children)[leaves.size()].children == 0;
             leaves.push_back(
                 static_cast<uint8_t>(coder.take_either(kLeafTables + (is_last ? 0 : 4) + before, is_leaf ? 1 : 0)));
@@ -66,7 +66,7 @@ Octree code_shape(Coder& coder, const Octree& tree, uint32_t depth, uint32_t mos
     coded.cells[0] = {{0, writes ? tree.cells[0][0].children : uint8_t{0}, 0}};
     std::vector<uint8_t> leaves = {0};
     Surroundings beside = surroundings_of_root();
-    for (uint32_t d = 0; d < depth; d++) {
+    for (uint32_t d = 0; d < depth; ++d) {
         std::vector<Cell>& cells = coded.cells[d];
         code_octants(coder, cells, leaves, beside.patterns, d + 1 == depth);
         if (d + 1 == depth) break;
@@ -79,7 +79,7 @@ Octree code_shape(Coder& coder, const Octree& tree, uint32_t depth, uint32_t mos
         const std::vector<Cell>* below = writes ? &tree.cells[d + 1] : nullptr;
         leaves = code_leaves(coder, cells, below, d + 2 == depth);
         if (below)
-            for (size_t i = 0; i < below->size(); i++) coded.cells[d + 1][i].children = (*below)[i].children;
+            for (size_t i = 0; i < below->size(); ++i) coded.cells[d + 1][i].children = (*below)[i].children;
         beside = surroundings_below(cells, beside, leaves, d + 2 < depth);
     }
     link_cells(coded);

@@ -6,7 +6,7 @@ namespace neuvv::stream {
 
 Counts no_counts() {
     Counts counts(kTables);
-    for (uint32_t table = 0; table < kTables; table++) counts[table].resize(symbols_of(table));
+    for (uint32_t table = 0; table < kTables; ++table) counts[table].resize(symbols_of(table));
     return counts;
 }
 
@@ -28,14 +28,14 @@ std::vector<uint8_t> bytes_of(const Tables& tables) {
 
 size_t table_bytes() {
     size_t bytes = 0;
-    for (uint32_t table = 0; table < kTables; table++) bytes += 2 * symbols_of(table);
+    for (uint32_t table = 0; table < kTables; ++table) bytes += 2 * symbols_of(table);
     return bytes;
 }
 
 Tables read_tables(std::span<const uint8_t> bytes) {
     Tables tables;
     size_t next = 0;
-    for (uint32_t table = 0; table < kTables; table++) {
+    for (uint32_t table = 0; table < kTables; ++table) {
         std::vector<uint16_t> shares(symbols_of(table));
         if (bytes.size() < next + 2 * shares.size()) throw std::runtime_error("has tables that end early");
         for (uint16_t& share : shares) {
@@ -50,7 +50,7 @@ Tables read_tables(std::span<const uint8_t> bytes) {
 
 void SymbolWriter::count(Counts& counts) const {
     for (const uint32_t one : symbols_)
-        if (!(one & kBits)) counts[one >> 8][one & 0xff]++;
+        if (!(one & kBits)) ++counts[one >> 8][one & 0xff];
 }
 
 std::vector<uint8_t> SymbolWriter::bytes(const Tables& tables) const {

@@ -30,11 +30,11 @@ std::array<double, Numbers> sum_up(const Octree& tree, const OfLeaf& of_leaf, co
             }
             const Splits& splits = kSplits[cell.children];
             std::array<Sums, 16> halves{};
-            for (uint32_t child = 0; child <= splits.count; child++)
+            for (uint32_t child = 0; child <= splits.count; ++child)
                 halves[8 + splits.octant[child]] =
                     d + 1 == finest ? of_leaf(cell.first + child, 1) : below[cell.first + child];
             for (size_t n = 8; n-- > 1;)
-                for (size_t k = 0; k < Numbers; k++) halves[n][k] = halves[2 * n][k] + halves[2 * n + 1][k];
+                for (size_t k = 0; k < Numbers; ++k) halves[n][k] = halves[2 * n][k] + halves[2 * n + 1][k];
             visit(--divided, cell.children, halves);
             sums[i] = halves[1];
         }
@@ -47,7 +47,7 @@ using Halves = std::array<std::array<double, 1>, 16>;
 
 CellPairs cell_pairs_of(const Halves& weights, double unit) {
     CellPairs pairs;
-    for (size_t n = 1; n < kPairs; n++) {
+    for (size_t n = 1; n < kPairs; ++n) {
         const double a = weights[2 * n][0], b = weights[2 * n + 1][0], sum = a + b, product = a * b;
         const bool is_pair = product > 0;
         const double scale = std::sqrt(sum / (is_pair ? product * unit : 1)), share = b / (is_pair ? sum : 1);
@@ -75,9 +75,9 @@ Pairs pairs_of(const Octree& tree, std::span<const int16_t> factors, double unit
 Pairs pairs_of_areas(const Octree& tree) {
     static const std::vector<CellPairs> kOfFinest = [] {
         std::vector<CellPairs> all(256);
-        for (uint32_t children = 0; children < 256; children++) {
+        for (uint32_t children = 0; children < 256; ++children) {
             Halves halves{};
-            for (size_t octant = 0; octant < 8; octant++) halves[8 + octant][0] = children >> octant & 1;
+            for (size_t octant = 0; octant < 8; ++octant) halves[8 + octant][0] = children >> octant & 1;
             for (size_t n = 8; n-- > 1;) halves[n][0] = halves[2 * n][0] + halves[2 * n + 1][0];
             all[children] = cell_pairs_of(halves, 1);
         }
@@ -105,7 +105,7 @@ Coefficients transform(const Octree& tree, const Pairs& pairs, std::span<const i
             return Sums{weight, weight * leaves[leaf]};
         },
         [&](size_t cell, uint8_t, const std::array<Sums, 16>& halves) {
-            for (size_t n = 1; n < kPairs; n++) {
+            for (size_t n = 1; n < kPairs; ++n) {
                 const Sums &a = halves[2 * n], &b = halves[2 * n + 1];
                 if (a[0] > 0 && b[0] > 0)
                     result.values[cell][n] = (b[1] / b[0] - a[1] / a[0]) / double{pairs[cell].inverse_scale[n]};

@@ -29,13 +29,13 @@ struct Splits {
 
 constexpr std::array<Splits, 256> kSplits = [] {
     std::array<Splits, 256> all{};
-    for (uint32_t children = 1; children < 256; children++) {
+    for (uint32_t children = 1; children < 256; ++children) {
         Splits& splits = all[children];
         std::array<bool, 16> has_cells{};
-        for (uint32_t octant = 0; octant < 8; octant++) has_cells[8 + octant] = children >> octant & 1;
-        for (uint32_t n = 7; n > 0; n--) has_cells[n] = has_cells[2 * n] || has_cells[2 * n + 1];
+        for (uint32_t octant = 0; octant < 8; ++octant) has_cells[8 + octant] = children >> octant & 1;
+        for (uint32_t n = 7; n > 0; --n) has_cells[n] = has_cells[2 * n] || has_cells[2 * n + 1];
         std::array<uint8_t, 16> above{};  // by half
-        for (uint8_t n = 1; n < 8; n++) {
+        for (uint8_t n = 1; n < 8; ++n) {
             if (has_cells[2 * n] && has_cells[2 * n + 1]) {
                 splits.pair[splits.count] = n;
                 splits.above[splits.count++] = above[n];
@@ -45,7 +45,7 @@ constexpr std::array<Splits, 256> kSplits = [] {
             }
         }
         uint32_t child = 0;
-        for (uint8_t octant = 0; octant < 8; octant++)
+        for (uint8_t octant = 0; octant < 8; ++octant)
             if (has_cells[8 + octant]) {
                 splits.of_child[child] = above[8 + octant];
                 splits.octant[child++] = octant;

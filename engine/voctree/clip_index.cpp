@@ -70,7 +70,7 @@ ClipIndex index_of_stream(const std::filesystem::path& path) {
     ClipIndex index{reader->index().fps, {}};
     const auto frames = static_cast<uint32_t>(reader->index().frames.size());
     index.segments.reserve(frames);
-    for (uint32_t frame = 0; frame < frames; frame++)
+    for (uint32_t frame = 0; frame < frames; ++frame)
         index.segments.push_back({path / segment_file_name(frame), frame, 1, 0, reader});
     return index;
 }
@@ -101,7 +101,7 @@ ClipIndex read_clip_index(const std::filesystem::path& clip, UpAxis up) {
     expect_list(segments);
     std::set<std::filesystem::path> files;
     uint32_t first = 0;
-    for (size_t i = 0; i < segments.value.size(); i++) {
+    for (size_t i = 0; i < segments.value.size(); ++i) {
         const JsonNode segment = segments[i];
         const auto frames = static_cast<uint32_t>(json_count(segment["frames"], kMaxClipFrames - first));
         if (frames == 0) segment["frames"].fail("is 0", "remove segments without frames");
@@ -131,7 +131,7 @@ void write_clip_index(const std::filesystem::path& folder, const ClipIndex& inde
 std::vector<size_t> segments_from_middle(size_t segments) {
     std::vector<size_t> order;
     const size_t middle = segments / 2;
-    for (size_t i = 0; i < segments; i++) order.push_back(i % 2 ? middle - (i + 1) / 2 : middle + i / 2);
+    for (size_t i = 0; i < segments; ++i) order.push_back(i % 2 ? middle - (i + 1) / 2 : middle + i / 2);
     return order;
 }
 
@@ -146,7 +146,7 @@ SegmentFrame segment_frame(const ClipIndex& index, double frame) {
     auto number = static_cast<uint32_t>(std::max<ptrdiff_t>(after - index.segments.begin(), 1) - 1);
     const double behind = frame - (index.segments[number].end() - 1);  // the segment's last frame
     const bool is_last = number + 1 == index.segments.size();
-    if (index.segments[number].overlap == 0 && behind >= 0.5 && !is_last) number++;
+    if (index.segments[number].overlap == 0 && behind >= 0.5 && !is_last) ++number;
     const ClipSegment& segment = index.segments[number];
     const double last = (is_last ? segment.frames : segment.frames_of_file()) - 1.0;
     return {number, static_cast<float>(std::clamp(frame - segment.first, 0.0, last))};

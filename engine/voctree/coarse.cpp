@@ -24,7 +24,7 @@ struct CodedLeaf {
 
 std::vector<CodedLeaf> sorted_leaves(const VOctree& tree, const std::vector<LeafPosition>& positions) {
     std::vector<CodedLeaf> sorted(positions.size());
-    for (uint32_t i = 0; i < positions.size(); i++) sorted[i] = {first_cell(positions[i], 2 * tree.node_levels), i};
+    for (uint32_t i = 0; i < positions.size(); ++i) sorted[i] = {first_cell(positions[i], 2 * tree.node_levels), i};
     const auto before = [](const CodedLeaf& a, const CodedLeaf& b) { return a.code < b.code; };
     if (!std::is_sorted(sorted.begin(), sorted.end(), before)) std::sort(sorted.begin(), sorted.end(), before);
     return sorted;
@@ -34,12 +34,12 @@ std::vector<CodedLeaf> sorted_leaves(const VOctree& tree, const std::vector<Leaf
 // on at which their codes differ.
 std::array<size_t, 2 * kMaxNodeLevels + 1> leaves_of_cuts(const std::vector<CodedLeaf>& sorted, uint32_t finest) {
     std::array<size_t, 2 * kMaxNodeLevels + 1> counts{};
-    for (size_t i = 1; i < sorted.size(); i++) {
+    for (size_t i = 1; i < sorted.size(); ++i) {
         const auto digits = static_cast<uint32_t>(std::bit_width(sorted[i].code ^ sorted[i - 1].code) + 2) / 3;
-        counts[finest - digits + 1]++;
+        ++counts[finest - digits + 1];
     }
-    counts[0]++;
-    for (size_t depth = 1; depth <= finest; depth++) counts[depth] += counts[depth - 1];
+    ++counts[0];
+    for (size_t depth = 1; depth <= finest; ++depth) counts[depth] += counts[depth - 1];
     return counts;
 }
 
@@ -47,7 +47,7 @@ std::array<size_t, 2 * kMaxNodeLevels + 1> leaves_of_cuts(const std::vector<Code
 // counts as 0 in a mean.
 std::vector<bool> lone_bases(const VOctree& tree, const std::vector<BasisEntry>& entries) {
     std::vector<uint32_t> in_frame(tree.frames);
-    for (const BasisEntry& entry : entries) in_frame[entry.frame]++;
+    for (const BasisEntry& entry : entries) ++in_frame[entry.frame];
     std::vector<bool> lone(tree.bases, true);
     for (const BasisEntry& entry : entries)
         if (in_frame[entry.frame] > 1 || entry.value < 0) lone[entry.basis] = false;
@@ -77,7 +77,7 @@ struct Merger {
         const uint32_t x = position.x & 1, y = position.y & 1, z = position.z & 1;
         density_of_frames(leaf, sigma_entries, sigma);
         float coverage = 0;  // the sum over frames of the leaf's opacity
-        for (uint32_t t = 0; t < tree.frames; t++) {
+        for (uint32_t t = 0; t < tree.frames; ++t) {
             if (sigma[t] == 0) {
                 opacity[t] = 0;
                 continue;
@@ -89,12 +89,12 @@ struct Merger {
         std::fill(share.begin(), share.end(), 0.0f);
         for (const BasisEntry& entry : gamma_entries)
             share[entry.basis] += std::abs(entry.value) * opacity[entry.frame];
-        for (uint32_t c = 0; c < tree.bases; c++) {
+        for (uint32_t c = 0; c < tree.bases; ++c) {
             sums[c] += (lone[c] ? std::max(leaf[c], 0.0f) : leaf[c]) / 8;
             sums[tree.bases + c] += share[c] * leaf[tree.bases + c];
             share_sum[c] += share[c];
         }
-        for (uint32_t w = 2 * tree.bases; w < tree.weights_per_leaf(); w++) sums[w] += coverage * leaf[w];
+        for (uint32_t w = 2 * tree.bases; w < tree.weights_per_leaf(); ++w) sums[w] += coverage * leaf[w];
         colour_sum += coverage;
     }
 
@@ -102,9 +102,9 @@ struct Merger {
     // which they pass most.
     float density_of_columns(const std::array<float, 12>& of_frame) const {
         float through = 0;
-        for (uint32_t axis = 0; axis < 3; axis++) {
+        for (uint32_t axis = 0; axis < 3; ++axis) {
             float sum = 0;
-            for (uint32_t column = 4 * axis; column < 4 * axis + 4; column++) sum += std::exp(-of_frame[column]);
+            for (uint32_t column = 4 * axis; column < 4 * axis + 4; ++column) sum += std::exp(-of_frame[column]);
             through = std::max(through, sum / 4);
         }
         return through > 0 ? -std::log(through) / (2 * edge_m) : std::numeric_limits<float>::infinity();
@@ -116,22 +116,22 @@ struct Merger {
         std::fill(wanted.begin(), wanted.end(), 0.0f);
         std::fill(given.begin(), given.end(), 0.0f);
         density_of_frames(sums, sigma_entries, sigma);
-        for (uint32_t t = 0; t < tree.frames; t++)
+        for (uint32_t t = 0; t < tree.frames; ++t)
             opacity[t] = sigma[t] > 0 ? std::min(sigma[t], density_of_columns(depths[t])) : 0;
         for (const BasisEntry& entry : sigma_entries) {
             wanted[entry.basis] += std::abs(entry.value) * opacity[entry.frame];
             given[entry.basis] += std::abs(entry.value) * sigma[entry.frame];
         }
-        for (uint32_t c = 0; c < tree.bases; c++)
+        for (uint32_t c = 0; c < tree.bases; ++c)
             if (given[c] > 0) sums[c] *= wanted[c] / given[c];
     }
 
     // Turns sums into the cell's weights. The sums of what is visible in no frame are 0 and stay so.
     void finish(float* sums) {
         scale_density(sums);
-        for (uint32_t c = 0; c < tree.bases; c++)
+        for (uint32_t c = 0; c < tree.bases; ++c)
             if (share_sum[c] > 0) sums[tree.bases + c] /= share_sum[c];
-        for (uint32_t w = 2 * tree.bases; w < tree.weights_per_leaf(); w++)
+        for (uint32_t w = 2 * tree.bases; w < tree.weights_per_leaf(); ++w)
             if (colour_sum > 0) sums[w] /= colour_sum;
     }
 };
@@ -158,7 +158,7 @@ VOctree cut_once(const VOctree& tree, uint32_t depth) {
     const uint32_t below = 3 * (2 * tree.node_levels - depth);
     std::vector<size_t> first;  // for each coarse leaf the index of its first leaf in `sorted`; then the end
     std::vector<LeafPosition> coarse_positions;
-    for (size_t i = 0; i < sorted.size(); i++) {
+    for (size_t i = 0; i < sorted.size(); ++i) {
         if (i > 0 && sorted[i].code >> below == sorted[i - 1].code >> below) continue;
         first.push_back(i);
         const LeafPosition& at = positions[sorted[i].leaf];
@@ -174,14 +174,14 @@ VOctree cut_once(const VOctree& tree, uint32_t depth) {
     const std::vector<BasisEntry> gamma_entries = basis_entries(tree.gamma_basis, tree.bases);
     parallel_for(coarse.leaf_count, 256, [&](size_t begin, size_t end) {
         Merger merger{tree, sigma_entries, gamma_entries, leaf_edge_m(tree, depth + 1)};
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             float* sums = coarse.leaf(static_cast<uint32_t>(i));
             if (positions[sorted[first[i]].leaf].depth <= depth) {  // a leaf above the cut is copied
                 std::copy_n(tree.leaf(sorted[first[i]].leaf), tree.weights_per_leaf(), sums);
                 continue;
             }
             merger.clear();
-            for (size_t at = first[i]; at < first[i + 1]; at++)
+            for (size_t at = first[i]; at < first[i + 1]; ++at)
                 merger.add(tree.leaf(sorted[at].leaf), positions[sorted[at].leaf], sums);
             merger.finish(sums);
         }
@@ -209,7 +209,7 @@ std::optional<VOctree> coarse_tree(const VOctree& tree) {
     if (tree.leaf_count < kMinLeavesForCoarse) return std::nullopt;
     const auto counts = leaves_of_cuts(sorted_leaves(tree, leaf_positions(tree)), 2 * tree.node_levels);
     uint32_t depth = 2 * tree.node_levels;
-    while (depth > 1 && counts[depth] > tree.leaf_count / kMinReduction) depth--;
+    while (depth > 1 && counts[depth] > tree.leaf_count / kMinReduction) --depth;
     VOctree coarse = cut_tree(tree, depth);
     round_weights(coarse, kRoundingError);
     return coarse;

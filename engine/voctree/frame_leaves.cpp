@@ -21,7 +21,7 @@ std::vector<LiveLeaf> live_leaves(const VOctree& tree, const RowsAtTime& rows, c
     const std::vector<LeafPosition> positions = leaf_positions(tree);
     std::vector<LiveLeaf> leaves(tree.leaf_count);
     parallel_for(leaves.size(), kTreeLeavesOfPart, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             const auto leaf = static_cast<uint32_t>(i);
             const float unpainted = std::max(row_product(rows.sigma.data(), tree.leaf(leaf), tree.bases), 0.0f);
             const float sigma = edits.painted_density(leaf, unpainted);
@@ -41,9 +41,9 @@ LeafColours leaf_colours(const VOctree& tree, uint32_t leaf, const RowsAtTime& r
     weights += tree.bases;
     LeafColours k{};
     for (auto& channel : k)
-        for (uint32_t n = 0; n <= tree.hh_degree; n++)
-            for (uint32_t l = 0; l <= n; l++)
-                for (uint32_t i = 0; i <= 2 * l; i++) channel[l * l + i] += radial[n][l] * *weights++;
+        for (uint32_t n = 0; n <= tree.hh_degree; ++n)
+            for (uint32_t l = 0; l <= n; ++l)
+                for (uint32_t i = 0; i <= 2 * l; ++i) channel[l * l + i] += radial[n][l] * *weights++;
     edits.paint_colours(leaf, tree.hh_degree, k);
     return k;
 }

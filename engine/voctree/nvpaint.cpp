@@ -74,8 +74,8 @@ void write_paint(const std::filesystem::path& path, const EditLayer& layer) {
         const std::vector<uint8_t> packed = pack_children(leaves);
         file.add(kLeafName, packed.data(), packed.size());
         std::vector<float> column(count);
-        for (int i = 0; i < kColumns; i++) {
-            for (size_t k = 0; k < count; k++) {
+        for (int i = 0; i < kColumns; ++i) {
+            for (size_t k = 0; k < count; ++k) {
                 LeafEdit edit = layer.edits[k];
                 column[k] = number_of(edit, i);
             }
@@ -98,11 +98,11 @@ EditLayer read_paint(const std::filesystem::path& path, const PaintedField& fiel
     expect_next(file, chunk, kLeafName);
     const std::vector<uint32_t> leaves = unpack_children(file.take(uint64_t{4} * head.edit_count));
     layer.edits.resize(head.edit_count);
-    for (size_t i = 0; i < leaves.size(); i++) layer.edits[i].leaf = leaves[i];
-    for (int i = 0; i < kColumns; i++) {
+    for (size_t i = 0; i < leaves.size(); ++i) layer.edits[i].leaf = leaves[i];
+    for (int i = 0; i < kColumns; ++i) {
         expect_next(file, chunk, kColumnNames[i]);
         const std::vector<uint8_t> bytes = file.take(uint64_t{4} * head.edit_count);
-        for (size_t k = 0; k < layer.edits.size(); k++)
+        for (size_t k = 0; k < layer.edits.size(); ++k)
             std::memcpy(&number_of(layer.edits[k], i), &bytes[4 * k], sizeof(float));
     }
     while (file.next(chunk)) {

@@ -39,7 +39,7 @@ std::vector<ClipSegment> sample_of(const ClipIndex& clip) {
     for (const ClipSegment& segment : clip.segments)
         if (!segment.stream || segment.stream->index().frames[segment.first].is_key) all.push_back(segment);
     const size_t count = std::min(all.size(), kMostSegments);
-    for (size_t i = 0; i < count; i++) some.push_back(all[count == 1 ? 0 : i * (all.size() - 1) / (count - 1)]);
+    for (size_t i = 0; i < count; ++i) some.push_back(all[count == 1 ? 0 : i * (all.size() - 1) / (count - 1)]);
     return some;
 }
 

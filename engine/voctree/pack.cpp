@@ -50,8 +50,8 @@ struct LeafRange {
 template <typename Visit>
 void for_each_number(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence, LeafRange leaves,
                      Visit visit) {
-    for (uint32_t leaf = leaves.begin; leaf < leaves.end; leaf++)
-        for (uint32_t column = 0; column < range.count; column++)
+    for (uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf)
+        for (uint32_t column = 0; column < range.count; ++column)
             if (!range.sparse || is_present(presence, tree.leaf_count, leaf, column)) visit(leaf, column);
 }
 
@@ -68,7 +68,7 @@ size_t count_of_blocks(const VOctree& tree) {
 // Sets the codings, and where each part begins.
 void lay_out(std::vector<std::vector<Column>>& blocks, const uint8_t* codings) {
     size_t at = 0;
-    for (size_t column = 0; !blocks.empty() && column < blocks[0].size(); column++)
+    for (size_t column = 0; !blocks.empty() && column < blocks[0].size(); ++column)
         for (std::vector<Column>& block : blocks) {
             block[column].at = at;
             block[column].set_coding(codings[column]);
@@ -156,9 +156,9 @@ std::vector<uint32_t> unpack_children(const std::vector<uint8_t>& bytes) {
 std::vector<uint8_t> pack_presence(const VOctree& tree) {
     std::vector<uint8_t> presence(size_t{(tree.bases + 7) / 8} * tree.leaf_count);
     parallel_for(tree.leaf_count, kBlockLeaves, [&](size_t begin, size_t end) {
-        for (size_t leaf = begin; leaf < end; leaf++) {
+        for (size_t leaf = begin; leaf < end; ++leaf) {
             const float* weights = tree.leaf(static_cast<uint32_t>(leaf));
-            for (uint32_t c = 0; c < tree.bases; c++)
+            for (uint32_t c = 0; c < tree.bases; ++c)
                 if (((half_from_float(weights[c]) | half_from_float(weights[tree.bases + c])) & 0x7fff) != 0)
                     presence[c / 8 * size_t{tree.leaf_count} + leaf] |= static_cast<uint8_t>(1u << c % 8);
         }
@@ -180,24 +180,24 @@ std::vector<uint8_t> pack_weights(const VOctree& tree, WeightRange range, const 
     parallel_for(blocks.size(), 1, [&](size_t block, size_t) {
         for_each_number(tree, range, presence, leaves_of_block(tree, block), [&](uint32_t leaf, uint32_t column) {
             const float weight = tree.leaf(leaf)[range.first + column];
-            blocks[block][column].count++;
+            ++blocks[block][column].count;
             digits[block][column].add(half_from_float(weight));
             last[block][column] = weight;
         });
     });
     size_t numbers = 0;
     std::vector<uint8_t> codings(range.count);
-    for (uint32_t column = 0; column < range.count; column++) {
+    for (uint32_t column = 0; column < range.count; ++column) {
         Digits all;
-        for (size_t block = 0; block < blocks.size(); block++) {
+        for (size_t block = 0; block < blocks.size(); ++block) {
             all.add(digits[block][column]);
             numbers += blocks[block][column].count;
         }
         codings[column] = static_cast<uint8_t>(all.coding());
     }
     lay_out(blocks, codings.data());
-    for (uint32_t column = 0; column < range.count; column++)
-        for (size_t block = 1; block < blocks.size(); block++) {
+    for (uint32_t column = 0; column < range.count; ++column)
+        for (size_t block = 1; block < blocks.size(); ++block) {
             const Column& left = blocks[block - 1][column];
             blocks[block][column].before = left.count > 0 ? left.multiple_of(last[block - 1][column]) : left.before;
         }
@@ -226,7 +226,7 @@ uint64_t packed_weight_bytes(const VOctree& tree, WeightRange range, const std::
 
 bool unpack_weights(VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence,
                     const std::vector<uint8_t>& bytes) {
-    for (uint32_t column = 0; column < range.count; column++) {
+    for (uint32_t column = 0; column < range.count; ++column) {
         const uint32_t coding = bytes[column];
         if (coding > kFinestStep && (coding < kHalfCoding || coding > kHalfCoding + kMaxShift)) return false;
     }
@@ -246,7 +246,7 @@ bool unpack_weights(VOctree& tree, WeightRange range, const std::vector<uint8_t>
             Column& column = block[first];
             column.before = sum;
             if (column.coding >= kHalfCoding) continue;
-            for (size_t i = 0; i < column.count; i++)
+            for (size_t i = 0; i < column.count; ++i)
                 sum = static_cast<int16_t>(sum + unfolded(number_at(column.at + i)));
         }
     });

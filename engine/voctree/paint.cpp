@@ -158,7 +158,7 @@ void remove_edits(EditLayer& layer, std::span<const uint32_t> leaves, float firs
 std::string defect_of(const EditLayer& layer) {
     const float end = static_cast<float>(layer.field.frames) - 1;
     const auto in_unit = [](float value) { return value >= 0 && value <= 1; };
-    for (size_t i = 0; i < layer.edits.size(); i++) {
+    for (size_t i = 0; i < layer.edits.size(); ++i) {
         const LeafEdit& edit = layer.edits[i];
         const auto of_edit = [i](const char* what) { return fmt::format("edit {} {}", i, what); };
         if (edit.leaf >= layer.field.leaf_count) return of_edit("names a leaf that does not exist");

@@ -47,18 +47,18 @@ struct Rounder {
             const float here = allowed_depth(sigma[entry.frame] * edge_m, error) / (edge_m * std::abs(entry.value));
             allowed[entry.basis] = std::min(allowed[entry.basis], here);
         }
-        for (uint32_t c = 0; c < tree.bases; c++) leaf[c] = rounded_within(leaf[c], allowed[c]);
+        for (uint32_t c = 0; c < tree.bases; ++c) leaf[c] = rounded_within(leaf[c], allowed[c]);
     }
 
     // An estimate of the slope of colour over B_t·w^γ. It uses |dH_nlm/dγ| ≤ n(n+1) H_000, adds up the functions as if
     // their signs were random, and takes the largest slope of γ = π·sigmoid, which is π/4.
     float gamma_slope(const float* leaf) const {
         float largest = 0;
-        for (uint32_t channel = 0; channel < 3; channel++) {
+        for (uint32_t channel = 0; channel < 3; ++channel) {
             const float* weights = leaf + 2 * tree.bases + channel * hh_count(tree.hh_degree);
             float squares = 0;
-            for (uint32_t n = 1; n <= tree.hh_degree; n++)
-                for (uint32_t f = hh_count(n - 1); f < hh_count(n); f++) {
+            for (uint32_t n = 1; n <= tree.hh_degree; ++n)
+                for (uint32_t f = hh_count(n - 1); f < hh_count(n); ++f) {
                     const float slope = static_cast<float>(n * (n + 1)) * weights[f];
                     squares += slope * slope;
                 }
@@ -74,7 +74,7 @@ struct Rounder {
             const float effect = opacity[entry.frame] * slope * std::abs(entry.value);  // of one unit of w^γ
             if (effect > 0) allowed[entry.basis] = std::min(allowed[entry.basis], error / effect);
         }
-        for (uint32_t c = 0; c < tree.bases; c++)
+        for (uint32_t c = 0; c < tree.bases; ++c)
             leaf[tree.bases + c] = rounded_within(leaf[tree.bases + c], allowed[c]);
     }
 
@@ -83,10 +83,10 @@ struct Rounder {
     void round_colour(float* leaf) {
         const float effect = *std::max_element(opacity.begin(), opacity.end()) * kSigmoidSlope * kConstantH;
         const uint32_t functions = hh_count(tree.hh_degree);
-        for (uint32_t n = 0; n <= tree.hh_degree; n++) {
+        for (uint32_t n = 0; n <= tree.hh_degree; ++n) {
             const float here = effect > 0 ? kColourShare * error / (effect * static_cast<float>(n + 1)) : kAny;
-            for (uint32_t channel = 0; channel < 3; channel++)
-                for (uint32_t f = n == 0 ? 0 : hh_count(n - 1); f < hh_count(n); f++) {
+            for (uint32_t channel = 0; channel < 3; ++channel)
+                for (uint32_t f = n == 0 ? 0 : hh_count(n - 1); f < hh_count(n); ++f) {
                     const uint32_t at = channel * functions + f;
                     float& weight = leaf[2 * tree.bases + at];
                     weight = std::abs(weight - before[at]) <= here ? before[at] : rounded_within(weight, here);
@@ -97,7 +97,7 @@ struct Rounder {
 
     void round(float* leaf, float edge_m) {
         density_of_frames(leaf, sigma_entries, sigma);
-        for (uint32_t t = 0; t < tree.frames; t++) opacity[t] = 1 - std::exp(-sigma[t] * edge_m);
+        for (uint32_t t = 0; t < tree.frames; ++t) opacity[t] = 1 - std::exp(-sigma[t] * edge_m);
         round_sigma(leaf, edge_m);
         round_gamma(leaf);
         round_colour(leaf);
@@ -116,7 +116,7 @@ void round_weights(VOctree& tree, float error) {
     const std::vector<BasisEntry> gamma_entries = basis_entries(tree.gamma_basis, tree.bases);
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
         Rounder rounder{tree, sigma_entries, gamma_entries, error};
-        for (size_t i = begin; i < end; i++)
+        for (size_t i = begin; i < end; ++i)
             rounder.round(tree.leaf(static_cast<uint32_t>(i)), leaf_edge_m(tree, positions[i].depth));
     });
 }

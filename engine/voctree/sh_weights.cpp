@@ -11,7 +11,7 @@ namespace {
 // C^a_k(x), the Gegenbauer polynomials, for k ≤ 3.
 double gegenbauer(uint32_t k, double a, double x) {
     double before = 0, value = 1;
-    for (uint32_t i = 1; i <= k; i++) {
+    for (uint32_t i = 1; i <= k; ++i) {
         const double next = (2 * x * (i + a - 1) * value - (i + 2 * a - 2) * before) / i;
         before = value;
         value = next;
@@ -34,14 +34,14 @@ double normalisation(uint32_t n, uint32_t l) {
 Radial radial_functions(double gamma) {
     static const auto kFactors = [] {
         Radial factors{};
-        for (uint32_t n = 0; n <= kMaxHhDegree; n++)
-            for (uint32_t l = 0; l <= n; l++) factors[n][l] = static_cast<float>(normalisation(n, l));
+        for (uint32_t n = 0; n <= kMaxHhDegree; ++n)
+            for (uint32_t l = 0; l <= n; ++l) factors[n][l] = static_cast<float>(normalisation(n, l));
         return factors;
     }();
     const double sine = std::sin(gamma), cosine = std::cos(gamma);
     Radial radial{};
-    for (uint32_t n = 0; n <= kMaxHhDegree; n++)
-        for (uint32_t l = 0; l <= n; l++)
+    for (uint32_t n = 0; n <= kMaxHhDegree; ++n)
+        for (uint32_t l = 0; l <= n; ++l)
             radial[n][l] =
                 static_cast<float>(double{kFactors[n][l]} * std::pow(sine, l) * gegenbauer(n - l, l + 1.0, cosine));
     return radial;
@@ -70,7 +70,7 @@ const std::array<ShDirection, 26>& sh_directions() {
     static const auto kDirections = [] {
         std::array<ShDirection, 26> directions;
         size_t count = 0;
-        for (int i = 0; i < 27; i++) {
+        for (int i = 0; i < 27; ++i) {
             const glm::dvec3 cell(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
             const double squared = glm::dot(cell, cell);  // 1: along an axis, 2: to an edge, 3: to a corner of the cube
             if (squared == 0) continue;
@@ -95,13 +95,13 @@ void make_still(VOctree& tree, uint32_t degree) {
 void write_sh(float* weights, uint32_t degree, const float* k) {
     static const std::array<float, kMaxHhDegree + 1> kRadial = [] {  // R_ll(π/2)
         std::array<float, kMaxHhDegree + 1> radial{};
-        for (uint32_t l = 0; l < radial.size(); l++) radial[l] = static_cast<float>(normalisation(l, l));
+        for (uint32_t l = 0; l < radial.size(); ++l) radial[l] = static_cast<float>(normalisation(l, l));
         return radial;
     }();
     std::fill_n(weights, hh_count(degree), 0.0f);
-    for (uint32_t l = 0; l <= degree; l++) {
+    for (uint32_t l = 0; l <= degree; ++l) {
         const uint32_t first = l * (l + 1) * (2 * l + 1) / 6 + l * l;  // H_l,l,−l
-        for (uint32_t i = 0; i <= 2 * l; i++) weights[first + i] = k[l * l + i] / kRadial[l];
+        for (uint32_t i = 0; i <= 2 * l; ++i) weights[first + i] = k[l * l + i] / kRadial[l];
     }
 }
 

@@ -49,10 +49,10 @@ uint32_t degree_of(uint32_t harmonic) {
 
 void write_colours(const LeafColours& k, size_t leaf, stream::Slice& slice) {
     std::array<float, 3> srgb;
-    for (size_t c = 0; c < 3; c++) srgb[c] = srgb_of(sigmoid(k[c][0] * kMeanHarmonic));
-    for (uint32_t i = 0; i < sh_count(slice.degree); i++) {
+    for (size_t c = 0; c < 3; ++c) srgb[c] = srgb_of(sigmoid(k[c][0] * kMeanHarmonic));
+    for (uint32_t i = 0; i < sh_count(slice.degree); ++i) {
         std::array<float, 3> shown = srgb;
-        for (size_t c = 0; c < 3 && i > 0; c++) shown[c] = k[c][i] * slope_of(srgb[c], degree_of(i));
+        for (size_t c = 0; c < 3 && i > 0; ++c) shown[c] = k[c][i] * slope_of(srgb[c], degree_of(i));
         const stream::Ycc ycc = stream::ycc_of({shown[0], shown[1], shown[2]});
         slice.planes[1 + 3 * i][leaf] = units(ycc.y);
         slice.planes[2 + 3 * i][leaf] = units(ycc.co);
@@ -69,12 +69,12 @@ struct Channel {
 const Channel& channel_of(float units) {
     static const std::vector<Channel> kChannels = [] {
         std::vector<Channel> channels;
-        for (uint32_t half = 0; half <= 2 * stream::kUnit; half++) {
+        for (uint32_t half = 0; half <= 2 * stream::kUnit; ++half) {
             const float srgb = std::clamp(static_cast<float>(half) / (2 * stream::kUnit), kMargin, 1 - kMargin);
             const float linear = linear_of(srgb);
             Channel& channel = channels.emplace_back();
             channel.constant = std::log(linear / (1 - linear)) / kMeanHarmonic;
-            for (uint32_t l = 0; l < channel.slope.size(); l++) channel.slope[l] = slope_of(srgb, l);
+            for (uint32_t l = 0; l < channel.slope.size(); ++l) channel.slope[l] = slope_of(srgb, l);
         }
         return channels;
     }();
@@ -84,11 +84,11 @@ const Channel& channel_of(float units) {
 LeafColours read_colours(const stream::Slice& slice, size_t leaf) {
     LeafColours k{};
     std::array<const Channel*, 3> channels{};
-    for (uint32_t i = 0; i < sh_count(slice.degree); i++) {
+    for (uint32_t i = 0; i < sh_count(slice.degree); ++i) {
         const auto value = [&](uint32_t plane) { return static_cast<float>(slice.planes[plane + 3 * i][leaf]); };
         const stream::Rgb rgb = stream::rgb_of({value(1), value(2), value(3)});
         const std::array<float, 3> shown = {rgb.r, rgb.g, rgb.b};
-        for (size_t c = 0; c < 3; c++) {
+        for (size_t c = 0; c < 3; ++c) {
             if (i == 0) channels[c] = &channel_of(shown[c]);
             k[c][i] = i == 0 ? channels[c]->constant : shown[c] / stream::kUnit / channels[c]->slope[degree_of(i)];
         }
@@ -100,7 +100,7 @@ LeafColours read_colours(const stream::Slice& slice, size_t leaf) {
 float optical_depth_of(int16_t opacity) {
     static const std::vector<float> kDepths = [] {
         std::vector<float> depths;
-        for (int units = 0; units <= stream::kUnit; units++)
+        for (int units = 0; units <= stream::kUnit; ++units)
             depths.push_back(-std::log(1 - std::min(static_cast<float>(units) / stream::kUnit, 1 - kMargin)));
         return depths;
     }();
@@ -119,7 +119,7 @@ stream::Slice slice_of(const VOctree& tree, double frame, std::span<const PaintS
     for (auto& plane : slice.planes) plane.resize(live.size());
     slice.leaves.resize(live.size());
     parallel_for(live.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             slice.leaves[i] = {live[i].cell, live[i].depth};
             slice.planes[stream::kOpacityPlane][i] = units(live[i].opacity);
             write_colours(leaf_colours(tree, live[i].leaf, rows, edits), i, slice);
@@ -142,13 +142,13 @@ VOctree tree_of(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_siz
         positions.push_back(position_of(leaf.cell >> 3 * (slice.depth - leaf.depth), leaf.depth));
     build_topology(tree, positions);
     std::array<float, stream::kMaxDepth + 1> edges;
-    for (uint32_t d = 0; d < edges.size(); d++) edges[d] = leaf_edge_m(tree, d);
+    for (uint32_t d = 0; d < edges.size(); ++d) edges[d] = leaf_edge_m(tree, d);
     parallel_for(slice.leaves.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             float* weights = tree.leaf(static_cast<uint32_t>(i));
             weights[0] = optical_depth_of(slice.planes[stream::kOpacityPlane][i]) / edges[slice.leaves[i].depth];
             const LeafColours k = read_colours(slice, i);
-            for (uint32_t c = 0; c < 3; c++)
+            for (uint32_t c = 0; c < 3; ++c)
                 write_sh(weights + 2 + c * hh_count(slice.degree), slice.degree, k[c].data());
         }
     });

@@ -40,17 +40,17 @@ glm::vec3 blended(uint32_t blend, glm::vec3 colour, glm::vec3 target) {
 
 glm::vec3 mean_colour(const LeafColours& k) {
     glm::vec3 mean;
-    for (int c = 0; c < 3; c++) mean[c] = sigmoid(kMeanHarmonic * k[static_cast<size_t>(c)][0]);
+    for (int c = 0; c < 3; ++c) mean[c] = sigmoid(kMeanHarmonic * k[static_cast<size_t>(c)][0]);
     return mean;
 }
 
 void set_mean_colour(glm::vec3 mean, LeafColours& k) {
-    for (int c = 0; c < 3; c++) k[static_cast<size_t>(c)][0] = std::log(mean[c] / (1 - mean[c])) / kMeanHarmonic;
+    for (int c = 0; c < 3; ++c) k[static_cast<size_t>(c)][0] = std::log(mean[c] / (1 - mean[c])) / kMeanHarmonic;
 }
 
 // What a layer of weight `part` leaves of the coefficients that let the colour depend on the direction of view.
 void paint_harmonics(uint32_t blend, float part, uint32_t degree, LeafColours& k) {
-    for (size_t i = 1; i < sh_count(degree); i++) {
+    for (size_t i = 1; i < sh_count(degree); ++i) {
         const float grey = luminance({k[0][i], k[1][i], k[2][i]});
         for (auto& channel : k) {
             if (blend == kPaintNormal) channel[i] *= 1 - part;

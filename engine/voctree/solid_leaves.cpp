@@ -29,17 +29,17 @@ struct Profile {
     void add(double from, double to, double leaf_area) {
         const double inside = 1e-3 * (to - from);
         const size_t first = slab_of(from + inside), last = slab_of(to - inside);
-        for (size_t slab = first; slab <= last; slab++) area[slab] += leaf_area / static_cast<double>(last - first + 1);
+        for (size_t slab = first; slab <= last; ++slab) area[slab] += leaf_area / static_cast<double>(last - first + 1);
     }
     // The first slab that counts, in the order of `at(0)`, `at(1)`, …
     template <typename At>
     size_t first_solid(double total, const At& at) const {
         size_t slab = 0;
-        for (double outside = 0; slab + 1 < kSlabs; slab++) {
+        for (double outside = 0; slab + 1 < kSlabs; ++slab) {
             outside += area[at(slab)];
             if (outside > kOutermost * total) break;
         }
-        while (slab > 0 && area[at(slab - 1)] >= kGap * total) slab--;
+        while (slab > 0 && area[at(slab - 1)] >= kGap * total) --slab;
         return slab;
     }
     // The range that counts, metres.
@@ -61,7 +61,7 @@ SolidLeaves::SolidLeaves(const VOctree& tree) : rows_(tree.sigma_basis), bases_(
         const double edge = std::ldexp(1.0, -static_cast<int>(position.depth));
         const glm::dvec3 size = edge * glm::dvec3(tree.box_size),
                          low = glm::dvec3(tree.box_min) + size * glm::dvec3(position.x, position.y, position.z);
-        for (int axis = 0; axis < 3; axis++) {
+        for (int axis = 0; axis < 3; ++axis) {
             low_.push_back(static_cast<float>(low[axis]));
             high_.push_back(static_cast<float>(low[axis] + size[axis]));
         }
@@ -75,10 +75,10 @@ SolidLeaves::SolidLeaves(const VOctree& tree) : rows_(tree.sigma_basis), bases_(
 std::vector<float> SolidLeaves::areas_at(double frame) const {
     const std::vector<float> elements = row_at(rows_, bases_, frame, frames_);
     std::vector<BasisEntry> row;  // those of A_t that are not 0
-    for (uint32_t basis = 0; basis < bases_; basis++)
+    for (uint32_t basis = 0; basis < bases_; ++basis)
         if (elements[basis] != 0) row.push_back({0, basis, elements[basis]});
     std::vector<float> areas(edges_m_.size());
-    for (size_t leaf = 0; leaf < areas.size(); leaf++) {
+    for (size_t leaf = 0; leaf < areas.size(); ++leaf) {
         float sigma = 0;
         for (const BasisEntry& entry : row) sigma += entry.value * weights_[leaf * bases_ + entry.basis];
         if (sigma > 0) areas[leaf] = -std::expm1(-sigma * edges_m_[leaf]) * edges_m_[leaf] * edges_m_[leaf];
@@ -92,9 +92,9 @@ std::pair<glm::dvec3, glm::dvec3> SolidLeaves::box_at(double frame) const {
     for (const float area : areas) total += double{area};
     if (!(total > 0)) return {all_low_, all_high_};
     glm::dvec3 solid_low, solid_high;
-    for (int axis = 0; axis < 3; axis++) {
+    for (int axis = 0; axis < 3; ++axis) {
         Profile profile(all_low_[axis], all_high_[axis]);
-        for (size_t leaf = 0; leaf < areas.size(); leaf++) {
+        for (size_t leaf = 0; leaf < areas.size(); ++leaf) {
             const size_t at = 3 * leaf + static_cast<size_t>(axis);
             if (areas[leaf] > 0) profile.add(double{low_[at]}, double{high_[at]}, double{areas[leaf]});
         }
@@ -102,7 +102,7 @@ std::pair<glm::dvec3, glm::dvec3> SolidLeaves::box_at(double frame) const {
     }
     // The leaves whose middles are in all three ranges.
     glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
-    for (size_t leaf = 0; leaf < areas.size(); leaf++) {
+    for (size_t leaf = 0; leaf < areas.size(); ++leaf) {
         const glm::dvec3 from(low_[3 * leaf], low_[3 * leaf + 1], low_[3 * leaf + 2]),
             to(high_[3 * leaf], high_[3 * leaf + 1], high_[3 * leaf + 2]), middle = 0.5 * (from + to);
         if (!(areas[leaf] > 0) || glm::any(glm::lessThan(middle, solid_low)) ||

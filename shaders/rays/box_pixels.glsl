@@ -17,7 +17,7 @@ vec4 whole_box_pixels(vec3 low, mat3 edges, float nearest) {
     const vec3 middle = low + 0.5 * (edges[0] + edges[1] + edges[2]);
     const vec2 p = middle.xy / middle.z;
     vec2 first = low.xy - p * low.z, last = first;
-    for (uint axis = 0u; axis < 3u; axis++) {
+    for (uint axis = 0u; axis < 3u; ++axis) {
         const vec2 edge = edges[axis].xy - p * edges[axis].z;
         first += min(edge, 0.0);
         last += max(edge, 0.0);
@@ -34,13 +34,13 @@ vec4 box_pixels(vec3 low, mat3 edges) {
     vec4 bounds = vec4(1e30, 1e30, -1e30, -1e30);
     // Where all lanes have returned, lavapipe leaves this loop after one round; without the condition it runs all
     // eight.
-    for (uint i = nearest < kNearest ? 0u : 8u; i < 8u; i++) {
+    for (uint i = nearest < kNearest ? 0u : 8u; i < 8u; ++i) {
         const vec3 corner = low + edges * vec3(i & 1u, i >> 1u & 1u, i >> 2u);
         if (corner.z >= kNearest) {
             const vec2 pixel = corner.xy / corner.z;
             bounds = vec4(min(bounds.xy, pixel), max(bounds.zw, pixel));
         }
-        for (uint axis = 0u; axis < 3u; axis++)
+        for (uint axis = 0u; axis < 3u; ++axis)
             if ((i >> axis & 1u) == 0u) add_cut(bounds, corner, corner + edges[axis]);
     }
     return bounds;

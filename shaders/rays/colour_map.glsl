@@ -7,7 +7,7 @@
 vec3 viridis(float at) {
     const vec4 terms[7] = vec4[](kViridis0, kViridis1, kViridis2, kViridis3, kViridis4, kViridis5, kViridis6);
     vec3 sum = terms[6].rgb;
-    for (int i = 5; i >= 0; i--) sum = terms[i].rgb + at * sum;
+    for (int i = 5; i >= 0; --i) sum = terms[i].rgb + at * sum;
     return clamp(sum, 0.0, 1.0);
 }
 

@@ -34,8 +34,8 @@ void main() {
     const uvec2 x = ray_tiles(view, 0u, at % push.images_across, push.tiles_across);
     const uvec2 y = ray_tiles(view, 1u, at / push.images_across, push.tiles_down);
     bool any = false;
-    for (uint row = y.x; row <= y.y; row++)
-        for (uint column = x.x; column <= x.y; column++)
+    for (uint row = y.x; row <= y.y; ++row)
+        for (uint column = x.x; column <= x.y; ++column)
             any = any || texelFetch(covered, int((view * push.tiles_down + row) * push.tiles_across + column)).x != 0u;
     const bool shown_before = imageLoad(shown, int(tile)).x != 0u;
     if (any != shown_before) imageStore(shown, int(tile), uvec4(any ? 1u : 0u));

@@ -33,7 +33,7 @@ void main() {
     uvec2 pixel;
     if (!pixel_of_thread(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, view, pixel)) return;
     float level = 0.0, nearest = uintBitsToFloat(0x7f800000u), steps = 0.0;
-    for (uint i = 0u; i < push.samples * push.samples; i++) {
+    for (uint i = 0u; i < push.samples * push.samples; ++i) {
         const uvec2 texel = push.samples * pixel + uvec2(i % push.samples, i / push.samples);
         const int ray = ray_at(view, nearest_ray(view, vec2(texel) + 0.5));
         const vec4 statistics = FETCH(rays, ray);

@@ -31,7 +31,7 @@ void main() {
     if (kListed) group = texelFetch(image_tiles, int(group)).x;
     if (group == kNoTile || !pixel_of_thread(group, view, pixel)) return;
     WeightedSum sum = WeightedSum(vec4(0.0), 0.0, 0.0);
-    for (uint i = 0u; i < push.samples * push.samples; i++) {
+    for (uint i = 0u; i < push.samples * push.samples; ++i) {
         const uvec2 texel = push.samples * pixel + uvec2(i % push.samples, i / push.samples);
         const int ray = ray_at(view, texel);
         const WeightedSum one = with_set(view, texel, FETCH(radiance, ray), FETCH(depth, ray).x);

@@ -47,9 +47,9 @@ Filtered filtered_at(uint view, vec2 position, ivec2 last) {
     const vec4 across = catmull_rom(part.x);
     vec4 rows[4];
     float metres = 0.0, weight = 0.0;
-    for (int y = 0; y < 4; y++) {
+    for (int y = 0; y < 4; ++y) {
         vec4 row[4];
-        for (int x = 0; x < 4; x++) {
+        for (int x = 0; x < 4; ++x) {
             const int ray = ray_at(view, uvec2(clamp(first + ivec2(x, y) - 1, ivec2(0), last)));
             row[x] = FETCH(radiance, ray);
             if (x == 0 || x == 3 || y == 0 || y == 3) continue;

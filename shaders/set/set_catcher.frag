@@ -23,7 +23,7 @@ float luminance(vec3 linear) {
 
 void main() {
     float lit = luminance(ambient_at(lights.irradiance, vec3(0.0, 1.0, 0.0))), taken = 0.0;
-    for (uint i = 0u; i < lights.count; i++) {
+    for (uint i = 0u; i < lights.count; ++i) {
         vec3 to_light;
         const vec3 arriving = light_at(lights.light[i], shaded_position, to_light);
         const float reflected = luminance(arriving) * max(to_light.y, 0.0) / kPi;

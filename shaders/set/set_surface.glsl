@@ -68,7 +68,7 @@ vec3 lit_surface(SetMaterial material, vec3 base_colour) {
         surface_of(base_colour, clamp(material.surface.x * numbers.b, 0.0, 1.0),
                    clamp(material.surface.y * numbers.g, 0.0, 1.0), mapped_normal(geometric, material.surface.z));
     vec3 light = material.emissive.rgb * texture(emissive_map, shaded_map_uvs_b.zw).rgb;
-    for (uint i = 0u; i < lights.count; i++) {
+    for (uint i = 0u; i < lights.count; ++i) {
         vec3 to_light;
         const vec3 arriving = light_at(lights.light[i], shaded_position, to_light);
         const vec3 reflected = arriving * reflect_light(surface, to_eye, to_light);

@@ -43,9 +43,9 @@ float set_shadow(uint light, vec3 world, vec3 normal) {
     const ivec2 first = ivec2(floor(texels));
     const vec2 share = texels - vec2(first);
     float lit = 0.0;
-    for (int y = 0; y < 4; y++) {
+    for (int y = 0; y < 4; ++y) {
         const float weight_y = y == 0 ? 1.0 - share.y : y == 3 ? share.y : 1.0;
-        for (int x = 0; x < 4; x++) {
+        for (int x = 0; x < 4; ++x) {
             const float weight_x = x == 0 ? 1.0 - share.x : x == 3 ? share.x : 1.0;
             lit += weight_x * weight_y * shadow_texel(from.shadow, first + ivec2(x, y), projected.z);
         }
@@ -67,7 +67,7 @@ float performer_shadow(uint light, vec3 world, float lift) {
     const vec2 share = texels - vec2(first);
     const float metres = distance(from.performer_eye.xyz, world);
     float shade = 0.0;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         const ivec2 corner = ivec2(i & 1, i >> 1), texel = clamp(first + corner, ivec2(0), ivec2(side - 1));
         const vec2 weights = mix(1.0 - share, share, vec2(corner));
         const vec2 blocker = texelFetch(performer_shadows, (int(from.shadow) * side + texel.y) * side + texel.x).xy;

@@ -26,7 +26,7 @@ float distance_to(ShaderBone bone, vec3 point) {
 uint nearest_bone(vec3 point) {
     uint nearest = kNoBone;
     float least = 1e30;
-    for (uint bone = 0u; bone < push.bones; bone++) {
+    for (uint bone = 0u; bone < push.bones; ++bone) {
         const float distance = distance_to(body.bones[bone], point);
         if (distance < least) {
             least = distance;
@@ -40,7 +40,7 @@ void main() {
     const uint slots = min(counts[push.slice].slots, push.capacity), word = gl_GlobalInvocationID.x;
     if (4u * word >= slots) return;
     uint bones = 0u;
-    for (uint i = 0u; i < 4u; i++) {
+    for (uint i = 0u; i < 4u; ++i) {
         const uint entry = 4u * word + i;
         const uint leaf = entry < slots ? FETCH(entry_leaf, int(push.slice * push.capacity + entry)).x : kNoLeaf;
         uint bone = kNoBone;

@@ -53,7 +53,7 @@ void main() {
     Painted leaf = Painted(1.0 / (1.0 + exp(-kShConstant * coefficient(mean))), 1.0, 0.0);
     if (kSrgbColours) leaf.colour = srgb_decode(leaf.colour);
     bool changed = false;
-    for (uint i = painted.y; i < end; i++) {
+    for (uint i = painted.y; i < end; ++i) {
         Edit edit;
         if (!edit_applies(i, edit) || edit.alpha * edit.opacity == 0.0) continue;
         paint_over(leaf, edit.blend, edit.alpha * edit.opacity, edit.target);
@@ -62,6 +62,6 @@ void main() {
     if (!changed) return;
     if (kSrgbColours) leaf.colour = srgb_encode(leaf.colour);
     store_coefficient(first, mean.x, painted_mean(leaf));
-    for (int j = 1; j < int(sh_count(kHhDegree)); j++)
+    for (int j = 1; j < int(sh_count(kHhDegree)); ++j)
         store_coefficient(first + j, 0u, painted_coefficient(leaf, coefficient(LOAD(entries, first + j).xy)));
 }

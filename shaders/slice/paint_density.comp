@@ -55,7 +55,7 @@ void main() {
     const uint end = FETCH(painted_leaves, int(at + 1u)).y;
     float sigma = 0.0;
     bool changed = false;
-    for (uint i = painted.y; i < end; i++) {
+    for (uint i = painted.y; i < end; ++i) {
         Edit edit;
         if (!edit_applies(i, edit) || edit.sigma < 0.0) continue;
         if (!changed) sigma = uintBitsToFloat(LOAD(head, int(painted.x)).x);

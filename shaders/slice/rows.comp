@@ -22,7 +22,7 @@ vec4 row_plane(uint p, uint basis) {
 
 void write_rows() {
     uvec2 count = uvec2(0u), first = uvec2(0u);
-    for (uint p = 0u; p < kMaxBasisPlanes; p++) {
+    for (uint p = 0u; p < kMaxBasisPlanes; ++p) {
         const vec4 sigma = row_plane(p, 0u), gamma = row_plane(p, 1u);
         if (sigma != vec4(0.0)) {
             if (count.x == 0u) first.x = p;
@@ -35,11 +35,11 @@ void write_rows() {
             rows.planes[count.y++].y = p;
         }
     }
-    for (uint i = count.x; i < kMaxBasisPlanes; i++) {
+    for (uint i = count.x; i < kMaxBasisPlanes; ++i) {
         rows.sigma[i] = vec4(0.0);
         rows.planes[i].x = first.x;
     }
-    for (uint i = count.y; i < kMaxBasisPlanes; i++) {
+    for (uint i = count.y; i < kMaxBasisPlanes; ++i) {
         rows.gamma[i] = vec4(0.0);
         rows.planes[i].y = first.y;
     }

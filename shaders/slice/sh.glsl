@@ -6,7 +6,7 @@
 // Functions of degrees beyond kHhDegree are 0.
 float[kMaxShCount] sh_basis(vec3 d) {
     float y[kMaxShCount];
-    for (uint i = 0u; i < kMaxShCount; i++) y[i] = 0.0;
+    for (uint i = 0u; i < kMaxShCount; ++i) y[i] = 0.0;
     y[0] = 0.28209479;
     if (kHhDegree >= 1u) {
         y[1] = 0.48860251 * d.y;

@@ -32,7 +32,7 @@ void main() {
     const uint leaf = FETCH(entry_leaf, int(entry)).x;
     const float sh_y[kMaxShCount] = sh_basis(direction_of(FETCH(leaf_positions, int(leaf == kNoLeaf ? 0u : leaf)).xy));
     vec3 raw = sh_y[0] * vec3(unpackHalf2x16(words.x).y, unpackHalf2x16(words.y));
-    for (uint j = 1u; j < sh_count(kHhDegree); j++) {
+    for (uint j = 1u; j < sh_count(kHhDegree); ++j) {
         const uvec2 more = FETCH(entries, first + int(j)).xy;
         raw += sh_y[j] * vec3(unpackHalf2x16(more.x).y, unpackHalf2x16(more.y));
     }

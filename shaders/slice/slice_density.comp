@@ -45,7 +45,7 @@ void main() {
 
     vec4 sigma;
     uint live_leaves = 0u;
-    for (uint i = 0u; i < kLeavesPerThread; i++) {
+    for (uint i = 0u; i < kLeavesPerThread; ++i) {
         const uint leaf = first_leaf + i;
         sigma[i] = leaf < push.end_leaf ? leaf_sigma(leaf, push.leaf_count) : 0.0;
         live_leaves += sigma[i] > 0.0 ? 1u : 0u;
@@ -60,9 +60,9 @@ void main() {
     barrier();
 
     uint slot = group_first + offset;
-    for (uint i = 0u; i < kLeavesPerThread; i++) {
+    for (uint i = 0u; i < kLeavesPerThread; ++i) {
         const uint leaf = first_leaf + i;
         if (leaf < push.end_leaf) store_leaf(leaf, sigma[i], slot);
-        if (sigma[i] > 0.0) slot++;
+        if (sigma[i] > 0.0) ++slot;
     }
 }

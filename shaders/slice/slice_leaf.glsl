@@ -8,7 +8,7 @@
 void store_coefficient(uint target, uint j, vec3 k);
 
 void store_band(uint target, uint leaf, uint l, vec4 radial, uint leaf_count) {
-    for (uint j = l * l; j < (l + 1u) * (l + 1u); j++)
+    for (uint j = l * l; j < (l + 1u) * (l + 1u); ++j)
         store_coefficient(target, j, slice_coefficient(leaf, j, radial, l, leaf_count));
 }
 

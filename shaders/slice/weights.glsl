@@ -33,7 +33,7 @@ vec4 fetch_weights(uint leaf, uint plane, uint leaf_count) {
 // σ = relu(A_t·w^σ), 1/m (errata 9)
 float leaf_sigma(uint leaf, uint leaf_count) {
     float raw = 0.0;
-    for (uint i = 0u; i < kBusyPlanes; i++)
+    for (uint i = 0u; i < kBusyPlanes; ++i)
         raw += dot(rows.sigma[i], fetch_weights(leaf, rows.planes[i].x, leaf_count));
     return max(raw, 0.0);
 }
@@ -41,7 +41,7 @@ float leaf_sigma(uint leaf, uint leaf_count) {
 // γ = π·sigmoid(B_t·w^γ) (errata 9)
 float leaf_gamma(uint leaf, uint leaf_count) {
     float raw = 0.0;
-    for (uint i = 0u; i < kBusyPlanes; i++)
+    for (uint i = 0u; i < kBusyPlanes; ++i)
         raw += dot(rows.gamma[i], fetch_weights(leaf, kBasisPlanes + rows.planes[i].y, leaf_count));
     return kPi / (1.0 + exp(-raw));
 }
@@ -53,7 +53,7 @@ vec3 leaf_hh(uint leaf, uint function, uint leaf_count) {
 // k_lm = Σ_n w_nlm R_nl(γ) at SH index j of degree l, given the row of R with that l (errata 7).
 vec3 slice_coefficient(uint leaf, uint j, vec4 radial, uint l, uint leaf_count) {
     vec3 k = vec3(0.0);
-    for (uint n = l; n <= kHhDegree; n++) k += radial[n] * leaf_hh(leaf, kHhBase[n] + j, leaf_count);
+    for (uint n = l; n <= kHhDegree; ++n) k += radial[n] * leaf_hh(leaf, kHhBase[n] + j, leaf_count);
     return k;
 }
 

@@ -17,8 +17,8 @@ void sample_begin(vec3 direction, uint view) { sh_y = sh_basis(direction); }
 // Σ_nm w_nlm H_nlm(d, γ) for one l
 vec3 band(uint leaf, uint l, vec4 radial) {
     vec3 raw = vec3(0.0);
-    for (uint n = l; n <= kHhDegree; n++)
-        for (uint j = l * l; j < (l + 1u) * (l + 1u); j++)
+    for (uint n = l; n <= kHhDegree; ++n)
+        for (uint j = l * l; j < (l + 1u) * (l + 1u); ++j)
             raw += radial[n] * sh_y[j] * leaf_hh(leaf, kHhBase[n] + j, push.leaf_count);
     return raw;
 }

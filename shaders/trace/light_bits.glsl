@@ -6,7 +6,7 @@ uint bits_of_light(vec3 light) {
     const vec3 clamped = clamp(light, vec3(0.0), vec3(65408.0));
     const float brightest = max(max(clamped.x, clamped.y), max(clamped.z, 1e-5));
     int exponent = max(-16, int(floor(log2(brightest)))) + 1;
-    if (round(brightest * exp2(float(9 - exponent))) > 511.0) exponent++;
+    if (round(brightest * exp2(float(9 - exponent))) > 511.0) ++exponent;
     const uvec3 parts = uvec3(round(clamped * exp2(float(9 - exponent))));
     return parts.x | parts.y << 9u | parts.z << 18u | uint(exponent + 15) << 27u;
 }

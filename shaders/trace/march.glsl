@@ -115,7 +115,7 @@ bool march_enter(inout March ray) {
     if (!kFromRoot) top = FETCH(tree_links, int((at.z * size.y + at.y) * size.x + at.x)).x;
     ray.shift = 2 * int(top >> kTopLevelShift);
     ray.node = march_node(top & ((1u << kTopLevelShift) - 1u));
-    for (uint level = kNodeLevels - (kFromRoot ? 0u : kTopLevels); level > 1u; level--) {
+    for (uint level = kNodeLevels - (kFromRoot ? 0u : kTopLevels); level > 1u; --level) {
         const uint bit = march_bit(ray);
         if (ray.shift == 0 || !node_lives(ray.node, bit)) break;
         const uint child = march_child(node_child(ray.node, bit));
@@ -124,7 +124,7 @@ bool march_enter(inout March ray) {
         ray.shift -= 2;
     }
     ray.in_node = true;
-    ray.steps++;
+    ++ray.steps;
     return true;
 }
 
@@ -168,7 +168,7 @@ bool march_leaf(inout March ray, out MarchSegment segment) {
         segment.shift = ray.shift + (node_wide(ray.node, bit) ? 1 : 0);
         segment.t_out = march_step(ray, segment.shift);
         if (segment.t_out <= segment.t_in) continue;
-        ray.steps++;
+        ++ray.steps;
         if (march_wants(child & ~kLeafBit)) return true;
     }
     return false;
@@ -189,7 +189,7 @@ bool march_cell(inout March ray, out MarchSegment segment) {
     segment.shift = ray.shift + (!lives ? empty : node_wide(ray.node, bit) ? 1 : 0);
     segment.t_out = march_step(ray, segment.shift);
     if (!leaf || segment.t_out <= segment.t_in) return false;
-    ray.steps++;
+    ++ray.steps;
     return march_wants(child & ~kLeafBit);
 }
 

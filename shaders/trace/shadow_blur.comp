@@ -37,7 +37,7 @@ void main() {
     const ivec2 step = ivec2(kSecond ? 0 : 1, kSecond ? 1 : 0);
     vec2 sum = vec2(0.0);
     float weights = 0.0;
-    for (int i = -int(kBlurRadius); i <= int(kBlurRadius); i++) {
+    for (int i = -int(kBlurRadius); i <= int(kBlurRadius); ++i) {
         const float weight = exp(-0.5 * float(i * i) / (kBlurSigma * kBlurSigma));
         sum += weight * source_texel(texel + i * step);
         weights += weight;

@@ -30,7 +30,7 @@ bool march_wants(uint leaf) {
 vec3 sample_colour() {
     vec3 raw = vec3(0.0);
     const int first = int(slot * sh_count(kHhDegree));
-    for (uint j = 0u; j < sh_count(kHhDegree); j++) raw += sh_y[j] * FETCH(slice_sh, first + int(j)).rgb;
+    for (uint j = 0u; j < sh_count(kHhDegree); ++j) raw += sh_y[j] * FETCH(slice_sh, first + int(j)).rgb;
     return 1.0 / (1.0 + exp(-raw));  // errata 8
 }
 

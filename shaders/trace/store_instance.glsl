@@ -67,7 +67,7 @@ void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 c
     const vec2 metres = ray.world_metres * vec2(part.t_in, part.t_out);
     // At opacity 1 the optical depth is computed without the logarithm, which would lose digits.
     const float depth = opacity == 1.0 ? sigma * (part.t_out - part.t_in) : log(through.x / max(through.y, 1e-30));
-    in_page++;
+    ++in_page;
     pages[page * kPageWords + in_page] = uvec4(floatBitsToUint(metres),
                                                packHalf2x16(vec2(min(depth, 65504.0), colour.r)),
                                                packHalf2x16(colour.gb));
@@ -84,7 +84,7 @@ vec3 light_on(Ray ray, float world_metres) {
     const vec3 world = eye + world_metres * direction;
     const vec3 seen = surface < 0.0 ? world : eye + surface * ray.world_metres * direction;
     vec3 sum = lights.irradiance[0].rgb;
-    for (uint i = 0u; i < lights.count; i++) {
+    for (uint i = 0u; i < lights.count; ++i) {
         vec3 to_light;
         const vec3 light = light_at(lights.light[i], world, to_light) * kRadiancePerLux;
         if (max(light.r, max(light.g, light.b)) <= 0.0) continue;

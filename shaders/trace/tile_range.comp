@@ -66,8 +66,8 @@ void store_range(uint v, Box performer_box) {
     // Boxes are extended by half a thousandth of a tile, for rounding.
     const ivec2 first = ivec2(clamp(floor(covered.xy - 5e-4), vec2(0.0), tiles));
     const ivec2 last = ivec2(clamp(floor(covered.zw + 5e-4), vec2(-1.0), tiles - 1.0));
-    for (int y = first.y; y <= last.y; y++)
-        for (int x = first.x; x <= last.x; x++) {
+    for (int y = first.y; y <= last.y; ++y)
+        for (int x = first.x; x <= last.x; ++x) {
             const uint at = 2u * ((v * push.tiles_down + uint(y)) * push.tiles_across + uint(x));
             // Most boxes change nothing, and a read costs less than an atomic. Words only fall, so one that was read
             // too early costs an atomic, and nothing else.
@@ -89,5 +89,5 @@ void main() {
     const Box cells = cells_box(leaves);
     const Box box = Box(push.box_min.xyz + (corner + cells.low) * cell,
                         push.box_min.xyz + (corner + cells.high) * cell);
-    for (uint v = 0u; v < push.views; v++) store_range(v, box);
+    for (uint v = 0u; v < push.views; ++v) store_range(v, box);
 }

@@ -40,7 +40,7 @@ vec3 sample_colour() {
     if (kColourless) return vec3(0.0);
     if (kShaded) return entry_colour(entry_words);
     vec3 raw = sh_y[0] * entry_colour(entry_words);
-    for (uint j = 1u; j < sh_count(kHhDegree); j++)
+    for (uint j = 1u; j < sh_count(kHhDegree); ++j)
         raw += sh_y[j] * entry_colour(FETCH(entries, int(entry + j)).xy);
     return 1.0 / (1.0 + exp(-raw));  // errata 8
 }

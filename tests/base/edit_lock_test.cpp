@@ -18,10 +18,10 @@ TEST(EditLock, NoChangeIsLost) {
     write_text(file, "0");
     std::filesystem::create_symlink("count", link);
     std::vector<std::thread> threads;
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; ++i)
         threads.emplace_back([&, i] {
             const std::filesystem::path& path = i % 2 ? link : file;
-            for (int k = 0; k < 5; k++) {
+            for (int k = 0; k < 5; ++k) {
                 const EditLock lock(path);
                 const std::string text = std::to_string(std::stoi(read_text(path)) + 1);
                 write_file_atomically(path, [&](const ByteSink& sink) { sink(text.data(), text.size()); });

@@ -79,7 +79,7 @@ class Drawn {
         std::vector<std::vector<uint32_t>> leaves;
         for (const glm::uvec2 pairs : bounds) {
             leaves.emplace_back();
-            for (uint32_t i = pairs.x; i < pairs.y; i++)
+            for (uint32_t i = pairs.x; i < pairs.y; ++i)
                 leaves.back().push_back(leaf_of[trees.entry_base(kSlice) + entries[i]]);
         }
         return leaves;
@@ -130,8 +130,8 @@ Rays shade_by_reference(const voctree::VOctree& tree, const stage::Camera& camer
     const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
     const glm::dvec3 eye(camera.world_from_camera[3]);
     Rays truth{std::vector<glm::vec4>(rays, glm::vec4(0)), std::vector<float>(rays, INFINITY)};
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
+    for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x) {
             const reference::Ray pixel = reference::camera_ray(camera, x, y);
             const reference::RayResult ray =
                 reference::composite(reference::ray_samples_shaded(tree, slices, places, eye, pixel), 0);
@@ -154,9 +154,9 @@ void raise(double& worst, double error) {
 
 Difference difference(const Rays& drawn, const Rays& truth) {
     Difference worst;
-    for (size_t i = 0; i < truth.radiance.size(); i++) {
+    for (size_t i = 0; i < truth.radiance.size(); ++i) {
         const glm::dvec4 light(drawn.radiance[i]), expected(truth.radiance[i]);
-        for (int c = 0; c < 4; c++) raise(worst.light, std::abs(light[c] - expected[c]));
+        for (int c = 0; c < 4; ++c) raise(worst.light, std::abs(light[c] - expected[c]));
         if (std::isinf(drawn.depth[i]) != (light.a == 0)) worst.depth_m = INFINITY;
         if (expected.a > 1.0 / 255) raise(worst.depth_m, std::abs(double{drawn.depth[i]} - truth.depth[i]));
         worst.alpha_mean += expected.a / static_cast<double>(truth.radiance.size());
@@ -235,8 +235,8 @@ TEST_F(LeafRasterTest, EveryRayIsTheReferences) {
 // Also where rays end early, and where a pixel has several rays.
 TEST_F(LeafRasterTest, EveryRayIsTheTraces) {
     voctree::VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 3000});
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-        for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 12;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+        for (uint32_t c = 0; c < tree.bases; ++c) tree.leaf(leaf)[c] *= 12;
     for (const uint32_t samples : {1u, 3u}) {
         Drawn drawn(device(), tree, samples * kWidth, samples * kHeight);
         for (const View& view : views(tree)) {
@@ -267,8 +267,8 @@ TEST_F(LeafRasterTest, TilesHaveTheirLeavesFrontToBack) {
                 }
             }
             size_t met = 0;
-            for (uint32_t y = 0; y < kHeight; y++)
-                for (uint32_t x = 0; x < kWidth; x++) {
+            for (uint32_t y = 0; y < kHeight; ++y)
+                for (uint32_t x = 0; x < kWidth; ++x) {
                     const auto& ranks = rank_of_leaf[ray_of_pixel(x, y, kWidth) / kTilePixels];
                     size_t next = 0;
                     for (const reference::Segment& part :
@@ -280,7 +280,7 @@ TEST_F(LeafRasterTest, TilesHaveTheirLeavesFrontToBack) {
                         ASSERT_NE(found, ranks.end()) << "a leaf is missing at " << x << ' ' << y;
                         EXPECT_GE(found->second, next) << "a leaf is behind a farther one at " << x << ' ' << y;
                         next = found->second + 1;
-                        met++;
+                        ++met;
                     }
                 }
             EXPECT_EQ(met > 100, view.sees);

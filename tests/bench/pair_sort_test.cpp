@@ -50,7 +50,7 @@ void expect_sorted(const gpu::Device& device, const std::vector<Key>& keys, uint
                      [&](uint32_t a, uint32_t b) { return (keys[a] & mask) < (keys[b] & mask); });
     const SortedPairs sorted = sort_on_device(device, keys, capacity, key_bits);
     ASSERT_EQ(sorted.values, order);
-    for (size_t i = 0; i < keys.size(); i++) ASSERT_EQ(sorted.keys[i], keys[order[i]]) << "pair " << i;
+    for (size_t i = 0; i < keys.size(); ++i) ASSERT_EQ(sorted.keys[i], keys[order[i]]) << "pair " << i;
 }
 
 std::vector<Key> random_keys(uint64_t seed, size_t count, uint32_t bits) {

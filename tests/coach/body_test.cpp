@@ -85,8 +85,8 @@ TEST(Body, ItsSkinBelongsToTheLimbThatMovesIt) {
         for (size_t v = 0; v < skin.positions.size(); ++v) {
             if (!skin.limbs[v]) continue;
             const Limb found = body[reference::nearest_bone(bones, skin.positions[v])].limb;
-            confusion[motion::index_of(*skin.limbs[v])][motion::index_of(found)]++;
-            all++;
+            ++confusion[motion::index_of(*skin.limbs[v])][motion::index_of(found)];
+            ++all;
             right += found == *skin.limbs[v];
         }
     }
@@ -221,7 +221,7 @@ TEST(BodyTree, ALeafIsThereInTheFramesInWhichTheBodyIs) {
                 return reference::distance_to({each.bone.from, each.bone.to, each.bone.radius}, point) < edge;
             });
             if (!far) continue;
-            left++;
+            ++left;
             EXPECT_FALSE(is_there(point)) << frame;
         }
     }

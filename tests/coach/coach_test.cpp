@@ -54,7 +54,7 @@ TEST(Coach, ReddensTheLimbThatIsOffAndPointsToWhereItShouldBe) {
         EXPECT_EQ(values, coach::LimbValues{}) << t;
         for (const coach::JointError& error : coach.errors()) {
             EXPECT_EQ(motion::info_of(error.joint).limb, Limb::kRightArm);
-            arrows++;
+            ++arrows;
         }
     });
     EXPECT_EQ(most, 1);

@@ -47,7 +47,7 @@ TEST_F(Nodes, DraggedOnesKeepTheirPartsUnlessTheyAreSheared) {
     EXPECT_FALSE(json().contains("matrix"));
     const stage::GltfNode mirrored = stage().scene.nodes[anna];
     const glm::dmat4 parts = glm::mat4_cast(mirrored.rotation) * glm::scale(glm::dmat4(1), mirrored.scale);
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; ++axis)
         EXPECT_LT(glm::distance(glm::dvec3(parts[axis]), glm::dvec3(matrix[axis])), 1e-9) << axis;
 
     matrix[1][0] += 0.5;

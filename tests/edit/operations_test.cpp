@@ -284,9 +284,9 @@ TEST_F(Edits, CopiesStandWhereTheyWereForetold) {
                 edit::copy_transforms(file, edit::find_node(file, "eva"), settings);
             ASSERT_EQ(foretold.size(), 3u);
             edit::duplicate_node(file, edit::find_node(file, "eva"), settings);
-            for (int copy = 0; copy < 3; copy++) {
+            for (int copy = 0; copy < 3; ++copy) {
                 const glm::dmat4 stands = performer("eva " + std::to_string(copy + 2)).world_from_performer;
-                for (int column = 0; column < 4; column++)
+                for (int column = 0; column < 4; ++column)
                     expect_near(glm::dvec3(stands[column]), glm::dvec3(foretold[copy][column]), 1e-6);
             }
         }

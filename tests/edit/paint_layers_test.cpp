@@ -42,7 +42,7 @@ TEST_F(Layers, AreListedAsThePerformerWearsThem) {
     const auto nodes = document.file.json["nodes"].size();
     EXPECT_FALSE(edit::paint_layers_of(document.file, static_cast<uint32_t>(nodes)));
     size_t performers = 0;
-    for (uint32_t node = 0; node < nodes; node++) performers += edit::paint_layers_of(document.file, node).has_value();
+    for (uint32_t node = 0; node < nodes; ++node) performers += edit::paint_layers_of(document.file, node).has_value();
     EXPECT_GT(performers, 0u);
     EXPECT_LT(performers, nodes) << "not all nodes are performers";
 }
@@ -72,7 +72,7 @@ TEST_F(Layers, ThatAreSharedBecomeOnesOwn) {
     edit::unshare_paint(document, copy, used, at("own.nvpaint"), layer(0.5f));
     const auto after = edit::paint_layers_of(document.file, copy).value();
     ASSERT_EQ(after.size(), before.size());
-    for (size_t i = 0; i < after.size(); i++) {
+    for (size_t i = 0; i < after.size(); ++i) {
         EXPECT_EQ(after[i].path, i == used ? at("own.nvpaint") : before[i].path) << i;
         EXPECT_EQ(after[i].entry.opacity, before[i].entry.opacity) << i;
     }

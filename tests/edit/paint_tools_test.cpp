@@ -25,17 +25,17 @@ namespace neuvv::test {
 namespace {
 
 TEST(Canvas, KnowsPlacesDensitiesAndColoursAsTheReferenceDoes) {
-    for (uint32_t degree = 0; degree <= 3; degree++) {
+    for (uint32_t degree = 0; degree <= 3; ++degree) {
         const voctree::VOctree tree =
             random_tree({.seed = 4 + degree, .node_levels = 2, .leaves = 300, .hh_degree = degree});
         const edit::Canvas canvas(tree);
         for (const float frame : {0.0f, 1.25f, 4.0f}) {
             const std::vector<reference::LeafSlice> truth = reference::slice_tree(tree, double{frame});
             const std::vector<float> sigma = edit::densities(canvas, frame);
-            for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+            for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
                 EXPECT_NEAR(sigma[leaf], truth[leaf].sigma, 1e-4);
                 const glm::vec3 colour = edit::mean_colour(tree, voctree::RowsAtTime(tree, double{frame}), leaf);
-                for (int c = 0; c < 3; c++) {
+                for (int c = 0; c < 3; ++c) {
                     const double k = truth[leaf].k[static_cast<size_t>(c)][0];
                     EXPECT_NEAR(colour[c], 1 / (1 + std::exp(-0.28209479 * k)), 1e-4);
                 }
@@ -69,7 +69,7 @@ TEST(Regions, CombineAndChooseTheLeavesThatLive) {
 
 TEST(EditFrames, FollowWhatIsOpaque) {
     voctree::VOctree tree = random_tree({.seed = 2, .leaves = 1, .bases = 8, .frames = 8});
-    for (uint32_t i = 0; i < 64; i++) tree.sigma_basis[i] = i % 9 == 0 ? 1.0f : 0.0f;  // one basis per frame
+    for (uint32_t i = 0; i < 64; ++i) tree.sigma_basis[i] = i % 9 == 0 ? 1.0f : 0.0f;  // one basis per frame
     const float dense[8] = {50, 50, 0, 0.001f, 50, 50, 50, -3};
     std::copy(dense, dense + 8, tree.leaf(0));
     const edit::Canvas canvas(tree);
@@ -108,7 +108,7 @@ TEST(Brushes, FadeFromHardnessToRadiusAndEndWhereTheSurfaceDoes) {
         EXPECT_EQ(edit.sigma >= 0, edit.alpha >= 0.4f);
         touched.insert(edit.leaf);
     }
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         const bool inside = glm::distance(canvas.middles[leaf], a) < 0.059f && sigma[leaf] > 0;
         EXPECT_TRUE(!inside || touched.contains(leaf));
     }
@@ -164,7 +164,7 @@ TEST(ColourShifts, AreOfEachFramesOwnColour) {
     EXPECT_EQ(voctree::defect_of(layer), "");
     EXPECT_EQ(layer.edits.size(), edits.size()) << "none over another";
     size_t live = 0, changing = 0;
-    for (float frame = 1; frame <= 5; frame++) {
+    for (float frame = 1; frame <= 5; ++frame) {
         const std::vector<float> sigma = edit::densities(canvas, frame);
         for (const uint32_t leaf : leaves) {
             const auto found = std::find_if(edits.begin(), edits.end(), [&](const voctree::LeafEdit& edit) {
@@ -172,11 +172,11 @@ TEST(ColourShifts, AreOfEachFramesOwnColour) {
             });
             ASSERT_EQ(found != edits.end(), sigma[leaf] > 0) << leaf << " at " << frame;
             if (found == edits.end()) continue;
-            live++;
+            ++live;
             changing += found->first > 1 && found->last < 5;
             const glm::vec3 want =
                 edit::shifted(edit::mean_colour(tree, voctree::RowsAtTime(tree, double{frame}), leaf), shift);
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; ++c)
                 EXPECT_NEAR(std::sqrt(found->colour[c]), std::sqrt(want[c]), 0.0601) << leaf << " at " << frame;
         }
     }
@@ -189,8 +189,8 @@ using ToolsTest = GpuTest;
 // An image with columns of red, transparent, green and blue, and white below.
 media::Image columns(uint32_t side) {
     media::Image image(side, side);
-    for (uint32_t y = 0; y < side; y++)
-        for (uint32_t x = 0; x < side; x++) {
+    for (uint32_t y = 0; y < side; ++y)
+        for (uint32_t x = 0; x < side; ++x) {
             const uint32_t column = 4 * x / side;
             uint8_t* to = image.at(x, y);
             to[0] = column == 0 || y > side / 2 ? 255 : 0;
@@ -240,7 +240,7 @@ stage::Camera camera_before(const Standing& standing, uint32_t side) {
     };
     stage::Camera camera = look_at(at({0.55, 0.62, 2.1}), at({0.5, 0.45, 0.5}), side, side, 1.6);
     double widest = 0;
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 8; ++i) {
         const glm::dvec3 corner =
             glm::mix(glm::dvec3(0.1, 0, 0.25), glm::dvec3(0.8, 0.86, 0.75), glm::dvec3(i & 1, i >> 1 & 1, i >> 2));
         const glm::dvec3 seen(glm::inverse(camera.world_from_camera) * glm::dvec4(at(corner), 1));
@@ -266,7 +266,7 @@ ProjectionFaults faults_of(const voctree::VOctree& tree, const edit::Canvas& can
     const stage::Camera fine = camera_before(standing, 240);
     ProjectionFaults faults;
     for (uint32_t y = 1; y < 240; y += 2)
-        for (uint32_t x = 1; x < 240; x++) {
+        for (uint32_t x = 1; x < 240; ++x) {
             const uint32_t column = 4 * x / 240, within = x % 60;
             const uint32_t margin = side < 40 ? 24 : 9;
             if (within < margin || within > 60 - margin || (y > 100 && y < 140)) continue;
@@ -275,7 +275,7 @@ ProjectionFaults faults_of(const voctree::VOctree& tree, const edit::Canvas& can
                  reference::intersect(tree, ray_in_performer(fine, x, y, standing.world_from_performer))) {
                 const double density = slices[segment.leaf].sigma;
                 if (density <= 0) continue;
-                faults.seen++;
+                ++faults.seen;
                 if (column == 1) {
                     faults.wrong += alpha[segment.leaf] > 0.5f;
                 } else {
@@ -288,7 +288,7 @@ ProjectionFaults faults_of(const voctree::VOctree& tree, const edit::Canvas& can
                 if (transmittance < 0.5) break;
             }
         }
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         const glm::vec3 at = canvas.middles[leaf];
         const bool behind = at.z < kHead.z - 0.1 && at.y > 0.5f;  // leaves within the outline reach this far
         faults.behind += behind && alpha[leaf] > 0;
@@ -341,15 +341,15 @@ TEST_F(ToolsTest, PicksWhereThePerformerStands) {
         const stage::Camera camera = camera_before(standing, 60);
         const stage::Camera inside = render::in_performer(camera, glm::mat4(standing.world_from_performer));
         std::vector<PickRay> rays;
-        for (uint32_t i = 0; i < 60 * 60; i++) rays.push_back(render::pick_ray(inside, {i % 60 + 0.5, i / 60 + 0.5}));
+        for (uint32_t i = 0; i < 60 * 60; ++i) rays.push_back(render::pick_ray(inside, {i % 60 + 0.5, i / 60 + 0.5}));
         const std::vector<render::Picked> picked = picker.pick(rays);
         uint32_t hits = 0, others = 0;
         double worst_m = 0;
-        for (uint32_t i = 0; i < 60 * 60; i++) {
+        for (uint32_t i = 0; i < 60 * 60; ++i) {
             const reference::Ray ray = ray_in_performer(camera, i % 60, i / 60, standing.world_from_performer);
             const auto truth = reference::pick(tree, slices, ray, double{render::kPickAlpha});
             hits += truth.has_value();
-            if (truth.has_value() != picked[i].hit() || (truth && truth->leaf != picked[i].leaf)) others++;
+            if (truth.has_value() != picked[i].hit() || (truth && truth->leaf != picked[i].leaf)) ++others;
             if (truth && picked[i].hit())
                 worst_m = std::max(worst_m, std::abs(truth->distance_m - double{picked[i].distance_m}));
         }
@@ -454,7 +454,7 @@ TEST(Carry, EditsGoToWhatLiesThereInAnotherTree) {
     // To the same tree they come back as they are.
     std::vector<voctree::LeafEdit> same = edit::carried(from, edits, from);
     ASSERT_EQ(same.size(), edits.size());
-    for (size_t i = 0; i < same.size(); i++) EXPECT_EQ(same[i], edits[i]) << i;
+    for (size_t i = 0; i < same.size(); ++i) EXPECT_EQ(same[i], edits[i]) << i;
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ TEST_F(Read, NodesAreThoseOfTheEngine) {
     ASSERT_EQ(edit::node_count(file), stage.scene.nodes.size());
     const std::vector<bool> in_scene = edit::nodes_in_scene(file);
     ASSERT_EQ(in_scene.size(), stage.scene.nodes.size());
-    for (uint32_t i = 0; i < stage.scene.nodes.size(); i++) {
+    for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i) {
         const stage::GltfNode& loaded = stage.scene.nodes[i];
         EXPECT_EQ(edit::name_of(file, i), loaded.name);
         EXPECT_EQ(edit::node_title(file, i), stage::node_title(stage.scene, i));
@@ -200,7 +200,7 @@ TEST(ReadHostile, WhatIsNobodysMayBeAnything) {
         {"name": null, "extensions": {"ACME_fog": true}, "extras": {"neuvv": "locked"}},
         {"extensions": [], "extras": {"neuvv": {"locked": "yes"}}}],
         "extensions": [], "animations": [{"channels": [{}, {"target": {}}, {"target": {"node": "0"}}]}])");
-    for (uint32_t i = 0; i < 3; i++) {
+    for (uint32_t i = 0; i < 3; ++i) {
         EXPECT_EQ(edit::node_title(file, i), "node " + std::to_string(i));
         EXPECT_EQ(edit::kind_of(file, i), edit::NodeKind::kGroup);
         EXPECT_FALSE(edit::light_on(file, i) || edit::performer_on(file, i) || edit::paint_layers_of(file, i));

@@ -24,10 +24,10 @@ Drawn draw(editor::BlockGrid& grid, double fixed_ms, double full_ms, uint32_t mi
         const double ms = fixed_ms + full_ms / (grid.side() * grid.side());
         drawn.total_ms += ms;
         drawn.slowest_ms = std::max(drawn.slowest_ms, ms);
-        block++;
+        ++block;
         if (!grid.drawn(ms)) continue;
         block = 0;
-        drawn.begun++;
+        ++drawn.begun;
         drawn.slowest_ms = 0;
     }
     drawn.side = grid.side();
@@ -37,7 +37,7 @@ Drawn draw(editor::BlockGrid& grid, double fixed_ms, double full_ms, uint32_t mi
 TEST(BlockGrid, BlocksTakeAboutTheTarget) {
     for (const double full_ms : {300.0, 1000.0, 3000.0}) {
         editor::BlockGrid grid(kTarget_ms);
-        for (int i = 0; i < 4; i++) draw(grid, 2, full_ms);
+        for (int i = 0; i < 4; ++i) draw(grid, 2, full_ms);
         const Drawn drawn = draw(grid, 2, full_ms);
         EXPECT_EQ(drawn.begun, 1u) << "it is known by now: " << full_ms;
         EXPECT_LE(drawn.slowest_ms, 1.5 * kTarget_ms) << full_ms;
@@ -58,14 +58,14 @@ TEST(BlockGrid, GoesBackToFewWhereTheyAreQuick) {
     draw(grid, 1, 20000);
     EXPECT_EQ(grid.side(), 8u);
     Drawn drawn;
-    for (int i = 0; i < 8; i++) drawn = draw(grid, 1, 20);
+    for (int i = 0; i < 8; ++i) drawn = draw(grid, 1, 20);
     EXPECT_EQ(drawn.side, 1u);
     EXPECT_LE(drawn.slowest_ms, kTarget_ms);
 }
 
 TEST(BlockGrid, KeepsToTheLeastAndTheMost) {
     editor::BlockGrid grid(kTarget_ms);
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 8; ++i) {
         EXPECT_GE(draw(grid, 0, 1, 3).side, 3u);
     }
     EXPECT_LE(draw(grid, 0, 1e9).side, editor::BlockGrid::kMaxSide);

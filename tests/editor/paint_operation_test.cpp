@@ -104,7 +104,7 @@ TEST_F(PaintWorks, ShiftedColoursFollowTheSurface) {
     EXPECT_EQ(voctree::defect_of(*always), "");
     size_t longer = 0;
     for (const uint32_t leaf : leaves_of(*now))
-        for (uint32_t frame = 0; frame < tree.frames; frame++) {
+        for (uint32_t frame = 0; frame < tree.frames; ++frame) {
             const bool there = edit::density(tree, voctree::RowsAtTime(tree, frame), leaf) > 0;
             EXPECT_EQ(holds_at(*always, leaf, static_cast<float>(frame)), there);
             longer += there;
@@ -119,7 +119,7 @@ TEST_F(PaintWorks, ChooseWhatIsThereAtTheFrames) {
     EXPECT_LT(before.size(), ever.size()) << "the hand comes by";
     const std::vector<uint32_t> want = edit::leaves_in(canvas, hand_somewhere, 0, 7);
     ASSERT_EQ(ever.size(), want.size());
-    for (size_t i = 0; i < want.size(); i++) EXPECT_EQ(ever[i].leaf, want[i]);
+    for (size_t i = 0; i < want.size(); ++i) EXPECT_EQ(ever[i].leaf, want[i]);
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ TEST_F(PaintSessions, EraseThroughWhatWasErasedBeforeAndRestoreIt) {
 
 TEST_F(PaintSessions, ProjectAsEditDoes) {
     media::Image image(40, 30);
-    for (uint32_t i = 0; i < 40 * 30; i++) {
+    for (uint32_t i = 0; i < 40 * 30; ++i) {
         uint8_t* to = image.at(i % 40, i / 40);
         to[0] = static_cast<uint8_t>(6 * (i % 40));
         to[3] = i % 40 < 30 ? 255 : 0;
@@ -160,7 +160,7 @@ TEST_F(PaintSessions, ProjectAsEditDoes) {
 
 TEST(Images, AreReducedToMeans) {
     media::Image image(5, 2);
-    for (uint32_t i = 0; i < 10; i++) {
+    for (uint32_t i = 0; i < 10; ++i) {
         uint8_t* to = image.at(i % 5, i / 5);
         to[0] = i % 5 == 1 ? 255 : 0;
         to[1] = 255;

@@ -96,7 +96,7 @@ struct PaintSpreadTest : testing::Test {
     Layer green_dot() const {
         const auto last = segment(2);
         uint32_t leaf = 0;
-        while (leaf + 1 < last->tree.leaf_count && box(last->canvas.middles[leaf])) leaf++;
+        while (leaf + 1 < last->tree.leaf_count && box(last->canvas.middles[leaf])) ++leaf;
         EXPECT_FALSE(box(last->canvas.middles[leaf]));
         return std::make_shared<const voctree::EditLayer>(
             voctree::EditLayer{last->field, {{.leaf = leaf, .first = 0, .last = 1, .colour = {0, 1, 0}, .alpha = 1}}});
@@ -112,7 +112,7 @@ TEST_F(PaintSpreadTest, EachSegmentHasLeavesOfItsOwnInARegion) {
     operation.frames = {0, 4, edit::Follow::kNot};
     paint();
     settle();
-    for (uint32_t number = 0; number < 3; number++) {
+    for (uint32_t number = 0; number < 3; ++number) {
         const auto of = segment(number);
         editor::PaintOperation there = operation;
         there.frames = {0, number == 2 ? 0.0f : 1.0f, edit::Follow::kNot};
@@ -193,7 +193,7 @@ TEST_F(PaintSpreadTest, EachStrokeFindsWhatTheOneBeforeItPainted) {
     ASSERT_TRUE(set(1, twice.layer));
     spreads.start(place, anna, look, once, twice.layer, *twice.spread);
     settle();
-    for (uint32_t number = 0; number < 3; number++)
+    for (uint32_t number = 0; number < 3; ++number)
         for (const voctree::LeafEdit& edit : edits_of(number))
             EXPECT_EQ(edit.colour, glm::vec3(0.5f, 0, 0.5f)) << "blue over red in segment " << number;
     EXPECT_FALSE(was_notified("painted meanwhile"));

@@ -116,7 +116,7 @@ TEST_F(RenderThreads, DrawTheStageBeforeUntilANewClipIsRead) {
         ran = true;
         ran_on_new = on.stage.performers.size() == 1;
     });
-    for (uint64_t id = 3; id < 6; id++) {
+    for (uint64_t id = 3; id < 6; ++id) {
         ASSERT_TRUE(show(id)) << "images go on";
         EXPECT_EQ(thread.state().displayed.stage, 1u);
     }

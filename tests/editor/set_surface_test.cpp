@@ -24,7 +24,7 @@ double crossing(const Ray& ray, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
 
 editor::SetHit nearest_of_all(const stage::GltfScene& scene, const stage::PosedScene& pose, const Ray& ray) {
     editor::SetHit nearest{0, INFINITY};
-    for (uint32_t node = 0; node < scene.nodes.size(); node++) {
+    for (uint32_t node = 0; node < scene.nodes.size(); ++node) {
         if (!scene.nodes[node].draws_mesh()) continue;
         for (const auto& primitive : scene.meshes[static_cast<size_t>(scene.nodes[node].mesh)].primitives) {
             stage::PosedVertices posed;
@@ -65,7 +65,7 @@ void expect_rays_meet(const SetSurface& set, const stage::GltfScene& scene, cons
     std::mt19937 random(7);
     std::uniform_real_distribution<double> some(-1, 1);
     int hits = 0;
-    for (int i = 0; i < 2000; i++) {
+    for (int i = 0; i < 2000; ++i) {
         const glm::dvec3 from(some(random), 1 + some(random), some(random)),
             to(2 * some(random), 1 + some(random), -2 + some(random));
         const Ray ray{from, glm::normalize(to - from)};
@@ -73,7 +73,7 @@ void expect_rays_meet(const SetSurface& set, const stage::GltfScene& scene, cons
         const auto hit = set.meet(ray);
         ASSERT_EQ(hit.has_value(), std::isfinite(truth.distance_m)) << i;
         if (!hit) continue;
-        hits++;
+        ++hits;
         EXPECT_NEAR(hit->distance_m, truth.distance_m, 1e-5) << i;
         EXPECT_EQ(hit->node, truth.node) << i;
     }

@@ -58,7 +58,7 @@ struct SoundPlayerTest : testing::Test {
 
 double loudness(const media::Sound& sound, size_t side, size_t from, size_t to) {
     double sum = 0;
-    for (size_t i = from; i < to; i++) sum += std::pow(sound.samples[i][side] / 32768.0, 2);
+    for (size_t i = from; i < to; ++i) sum += std::pow(sound.samples[i][side] / 32768.0, 2);
     return std::sqrt(sum / static_cast<double>(to - from));
 }
 

@@ -22,7 +22,7 @@ struct WaveformsTest : testing::Test {
     int wakes = 0;
     editor::Waveforms waveforms{[this] {
         const std::lock_guard lock(mutex);
-        wakes++;
+        ++wakes;
         woken.notify_all();
     }};
 
@@ -90,7 +90,7 @@ TEST_F(WaveformsTest, AreForgottenWhenNobodyWaitsForThem) {
     write(other, 1000);
     waveforms.follow({wav});
     waveforms.follow({other});
-    for (int wake = 1; !waveforms.of(other); wake++) wait_for_wakes(wake);
+    for (int wake = 1; !waveforms.of(other); ++wake) wait_for_wakes(wake);
     EXPECT_EQ(waveforms.of(wav), nullptr);
     EXPECT_EQ(waveforms.take_problem(), "");
 }

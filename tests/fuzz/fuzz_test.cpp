@@ -72,7 +72,7 @@ TEST(Fuzz, LoadedClipsAndPaintMustBeSound) {
     clip.weights[5] = INFINITY;
     EXPECT_NE(of_clip(), "");
     clip = tree;
-    clip.leaf_count++;
+    ++clip.leaf_count;
     EXPECT_NE(of_clip(), "");
     EXPECT_EQ(fuzz::complaint_about_clip([]() -> voctree::VOctree { throw InputError("a", "b", "c"); }), "");
     voctree::EditLayer layer{voctree::painted_field(tree),

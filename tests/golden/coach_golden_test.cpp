@@ -69,8 +69,8 @@ TEST_F(CoachGolden, AHighlightedBodyBesideAnUntouchedCopy) {
     EXPECT_EQ(check_golden("coach_highlight", both), "");
     const media::Image plain = image({instance(-0.6), instance(0.6)}, seen_by);
     EXPECT_FALSE(compare_with_golden(plain, both).passes()) << "nothing is red";
-    for (uint32_t y = 0; y < kCoachHeight; y++)
-        for (uint32_t x = kCoachWidth * 5 / 9; x < kCoachWidth; x++)
+    for (uint32_t y = 0; y < kCoachHeight; ++y)
+        for (uint32_t x = kCoachWidth * 5 / 9; x < kCoachWidth; ++x)
             ASSERT_TRUE(std::equal(both.at(x, y), both.at(x, y) + 4, plain.at(x, y))) << x << ", " << y;
 }
 
@@ -81,7 +81,7 @@ TEST_F(CoachGolden, ATraineesGhostArrowsAndRemarks) {
     const motion::SkeletonClip trainee =
         other_body(with_arm_off(dancer, Limb::kRightArm, 40, 0.8, 3), 0.9, {2, 0, 1}, 0.7);
     coach::Coach coach(dancer, {.mode = coach::Mode::kPerform});
-    for (int i = 0; i <= 50 * kCoachTime_s; i++) {
+    for (int i = 0; i <= 50 * kCoachTime_s; ++i) {
         const double t = i / 50.0;
         coach.update(motion::TimedPose{t, motion::pose_at(trainee, t * trainee.fps)}, t, t);
     }

@@ -20,8 +20,8 @@ GoldenDifference compare_over(const media::Image& result, const media::Image& tr
     GoldenDifference difference;
     const uint32_t width = a.width;
     difference.image = media::Image(3 * width, a.height);
-    for (uint32_t y = 0; y < a.height; y++)
-        for (uint32_t x = 0; x < width; x++) {
+    for (uint32_t y = 0; y < a.height; ++y)
+        for (uint32_t x = 0; x < width; ++x) {
             std::memcpy(difference.image.at(x, y), a.at(x, y), 4);
             std::memcpy(difference.image.at(width + x, y), b.at(x, y), 4);
             uint8_t* pixel = difference.image.at(2 * width + x, y);

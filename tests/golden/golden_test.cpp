@@ -41,8 +41,8 @@ TEST_F(GoldenTest, PicturesAreAsAccepted) {
 
 media::Image shifted(const media::Image& image, uint32_t pixels) {
     media::Image out = image;
-    for (uint32_t y = 0; y < image.height; y++)
-        for (uint32_t x = pixels; x < image.width; x++) std::copy_n(image.at(x - pixels, y), 4, out.at(x, y));
+    for (uint32_t y = 0; y < image.height; ++y)
+        for (uint32_t x = pixels; x < image.width; ++x) std::copy_n(image.at(x - pixels, y), 4, out.at(x, y));
     return out;
 }
 
@@ -55,7 +55,7 @@ media::Image swapped_red_and_blue(const media::Image& image) {
 // The scene without the density of the leaves in one eighth of the box.
 GoldenScene without_a_cluster(GoldenScene scene) {
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(scene.tree);
-    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; ++leaf) {
         const uint32_t half = 1u << (positions[leaf].depth - 1);
         if (positions[leaf].x < half && positions[leaf].y < half && positions[leaf].z >= half)
             std::fill_n(scene.tree.leaf(leaf), scene.tree.bases, 0.0f);
@@ -107,7 +107,7 @@ TEST_F(GoldenComparison, NoticesWrongSets) {
 
 TEST(GoldenTolerance, BearsRoundingButNoMissingAlpha) {
     media::Image truth(64, 64);
-    for (size_t i = 0; i < truth.rgba.size(); i++)
+    for (size_t i = 0; i < truth.rgba.size(); ++i)
         truth.rgba[i] = static_cast<uint8_t>(i % 4 == 3 ? 128 : 40 + i % 173);
     media::Image rounded = truth;
     for (size_t i = 0; i < truth.rgba.size(); i += 4 * 7) rounded.rgba[i] = static_cast<uint8_t>(truth.rgba[i] + 1);
@@ -120,8 +120,8 @@ TEST(GoldenTolerance, BearsRoundingButNoMissingAlpha) {
 TEST(GoldenTolerance, BearsNoEdgeThatMovedByAPixel) {
     const auto edge_at = [](uint32_t column) {
         media::Image image(48, 32);
-        for (uint32_t y = 0; y < image.height; y++)
-            for (uint32_t x = 0; x < image.width; x++) {
+        for (uint32_t y = 0; y < image.height; ++y)
+            for (uint32_t x = 0; x < image.width; ++x) {
                 std::fill_n(image.at(x, y), 3, static_cast<uint8_t>(x < column ? 0 : 255));
                 image.at(x, y)[3] = 255;
             }

@@ -18,8 +18,8 @@ constexpr uint32_t kPaintedSide = 128;
 
 media::Image smile(uint32_t side) {
     media::Image image(side, side);
-    for (uint32_t y = 0; y < side; y++)
-        for (uint32_t x = 0; x < side; x++) {
+    for (uint32_t y = 0; y < side; ++y)
+        for (uint32_t x = 0; x < side; ++x) {
             const glm::dvec2 at = (glm::dvec2(x, y) + 0.5) / static_cast<double>(side) - glm::dvec2(0.43, 0.37);
             const bool eyes = glm::length(glm::abs(at - glm::dvec2(0, -0.03)) - glm::dvec2(0.05, 0)) < 0.022;
             const double mouth = glm::length(at - glm::dvec2(0, 0.02));
@@ -111,7 +111,7 @@ TEST_F(PaintGolden, PaintThatFollowsTheSurfacesLeavesAndPaintThatDoesNot) {
 
 TEST_F(PaintGolden, BlendsBesideEachOther) {
     std::vector<voctree::LeafEdit> stripes;
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
         if (std::fmod(canvas.middles[leaf].y, 0.16f) < 0.08f)
             stripes.push_back({leaf, 0, 1, {0.1f, 0.3f, 0.9f}, canvas.middles[leaf].x < 0.45f ? 1.0f : 0.5f});
     add(stripes);
@@ -120,7 +120,7 @@ TEST_F(PaintGolden, BlendsBesideEachOther) {
     const stage::Camera camera = look_at({0.55, 0.8, 5}, {0.5, 0.42, 0.5}, 2 * kPaintedSide, kPaintedSide / 2, 1);
     const auto row = [&](bool painted) {
         std::vector<render::Instance> instances;
-        for (int i = 0; i < 5; i++) {
+        for (int i = 0; i < 5; ++i) {
             const render::PaintUse use{&layer, blends[i % 4], 1};
             instances.push_back(
                 {.frame = 0,
@@ -133,8 +133,8 @@ TEST_F(PaintGolden, BlendsBesideEachOther) {
     EXPECT_EQ(check_golden("paint_blends", painted), "");
     EXPECT_FALSE(compare_with_golden(plain, painted).passes());
     // The fifth has no paint, and the others' paint does not change it.
-    for (uint32_t y = 0; y < painted.height; y++)
-        for (uint32_t x = 210; x < painted.width; x++)
+    for (uint32_t y = 0; y < painted.height; ++y)
+        for (uint32_t x = 210; x < painted.width; ++x)
             EXPECT_TRUE(std::equal(painted.at(x, y), painted.at(x, y) + 4, plain.at(x, y)));
 }
 

@@ -31,7 +31,7 @@ glm::dvec3 blob_centre(uint32_t frame) {
 // The distance of a cell's centre from the nearest of the ball's centres.
 double blob_distance(glm::dvec3 cell, uint32_t frames) {
     double nearest = 1;
-    for (uint32_t frame = 0; frame < frames; frame++)
+    for (uint32_t frame = 0; frame < frames; ++frame)
         nearest = std::min(nearest, glm::length(cell - blob_centre(frame)));
     return nearest;
 }
@@ -52,21 +52,21 @@ GoldenScene blob_scene() {
     const auto centre = [](const voctree::LeafPosition& p) {
         return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kSide};
     };
-    for (uint32_t i = 0; i < kSide * kSide * kSide; i++) {
+    for (uint32_t i = 0; i < kSide * kSide * kSide; ++i) {
         const voctree::LeafPosition position{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
         if (blob_distance(centre(position), tree.frames) < kBlobRadius) positions.push_back(position);
     }
     voctree::build_topology(tree, positions);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         float* weights = tree.leaf(leaf);
         const glm::dvec3 at = centre(positions[leaf]);
-        for (uint32_t frame = 0; frame < tree.frames; frame++)
+        for (uint32_t frame = 0; frame < tree.frames; ++frame)
             weights[frame] = glm::length(at - blob_centre(frame)) < kBlobRadius ? 10.0f : -1.0f;
         const glm::dvec3 checks = glm::floor(at * 12.0);
         const bool light = std::fmod(checks.x + checks.y + checks.z, 2.0) == 0;
         // γ = π/2 in every leaf: R_00 and R_11 carry the colour, R_10 is 0 there.
         const uint32_t functions = hh_count(1);
-        for (uint32_t channel = 0; channel < 3; channel++)
+        for (uint32_t channel = 0; channel < 3; ++channel)
             weights[2 * tree.bases + channel * functions] = light ? 8.0f : -6.0f;
         weights[2 * tree.bases + 4] = 9;                  // red, x
         weights[2 * tree.bases + 2 * functions + 3] = 5;  // blue, z

@@ -16,10 +16,10 @@ constexpr uint32_t kSetSize = 160, kTexels = 2;  // pixels, and texels per pixel
 // Tiles of 8 pixels in two colours.
 media::Image checks(glm::u8vec3 a, glm::u8vec3 b) {
     media::Image image(64, 64);
-    for (uint32_t y = 0; y < 64; y++)
-        for (uint32_t x = 0; x < 64; x++) {
+    for (uint32_t y = 0; y < 64; ++y)
+        for (uint32_t x = 0; x < 64; ++x) {
             const glm::u8vec3 colour = (x / 8 + y / 8) % 2 ? a : b;
-            for (int c = 0; c < 3; c++) image.at(x, y)[c] = colour[c];
+            for (int c = 0; c < 3; ++c) image.at(x, y)[c] = colour[c];
             image.at(x, y)[3] = 255;
         }
     return image;
@@ -28,12 +28,12 @@ media::Image checks(glm::u8vec3 a, glm::u8vec3 b) {
 // A normal map of round studs.
 media::Image studs() {
     media::Image image(64, 64);
-    for (uint32_t y = 0; y < 64; y++)
-        for (uint32_t x = 0; x < 64; x++) {
+    for (uint32_t y = 0; y < 64; ++y)
+        for (uint32_t x = 0; x < 64; ++x) {
             const glm::dvec2 from_middle((x % 16 - 7.5) / 6, -(y % 16 - 7.5) / 6);
             const double square = glm::dot(from_middle, from_middle);
             const glm::dvec3 n = square < 1 ? glm::normalize(glm::dvec3(from_middle, 1.2)) : glm::dvec3(0, 0, 1);
-            for (int c = 0; c < 3; c++) image.at(x, y)[c] = static_cast<uint8_t>(std::lround(127.5 * (n[c] + 1)));
+            for (int c = 0; c < 3; ++c) image.at(x, y)[c] = static_cast<uint8_t>(std::lround(127.5 * (n[c] + 1)));
             image.at(x, y)[3] = 255;
         }
     return image;
@@ -42,13 +42,13 @@ media::Image studs() {
 // An environment image: a sky that brightens upwards, with a warm window to the right, over dark ground.
 media::Image sky() {
     media::Image image(128, 64);
-    for (uint32_t y = 0; y < 64; y++)
-        for (uint32_t x = 0; x < 128; x++) {
+    for (uint32_t y = 0; y < 64; ++y)
+        for (uint32_t x = 0; x < 128; ++x) {
             const double up = 1 - y / 32.0;
             glm::dvec3 light = up > 0 ? glm::mix(glm::dvec3(0.3, 0.35, 0.4), glm::dvec3(0.08, 0.16, 0.4), up)
                                       : glm::dvec3(0.06, 0.05, 0.05);
             if (x > 88 && x < 104 && y > 12 && y < 28) light = {1, 0.8, 0.5};
-            for (int c = 0; c < 3; c++) image.at(x, y)[c] = media::srgb_byte_from_linear(static_cast<float>(light[c]));
+            for (int c = 0; c < 3; ++c) image.at(x, y)[c] = media::srgb_byte_from_linear(static_cast<float>(light[c]));
             image.at(x, y)[3] = 255;
         }
     return image;
@@ -148,13 +148,13 @@ media::Image render_set(const gpu::Device& device, const GoldenSet& set) {
     raster.light(set.lights, set.ambient);
     if (set.volume_depth_m > 0) {
         std::vector<float> volume(size_t{side} * side, INFINITY);
-        for (size_t i = 0; i < volume.size(); i++)
+        for (size_t i = 0; i < volume.size(); ++i)
             if (i % side >= side / 2) volume[i] = set.volume_depth_m;
         gpu::upload(device, raster.volume_depth, volume.data(), volume.size() * sizeof(float));
     }
     const SetImages drawn = draw_set(device, raster, {set.camera});
     std::vector<glm::vec4> pixels(kSetSize * kSetSize, glm::vec4(0));
-    for (size_t i = 0; i < drawn.colour.size(); i++) {
+    for (size_t i = 0; i < drawn.colour.size(); ++i) {
         // The assumed volume is half transparent grey: what lies behind it is darker.
         const bool split = set.volume_depth_m > 0 && i % side >= side / 2;
         const glm::dvec4 light = drawn.front[i] + (1 - drawn.front[i].a) * (split ? 0.5 : 1.0) * drawn.colour[i];

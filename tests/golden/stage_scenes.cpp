@@ -89,11 +89,11 @@ media::Image film(const gpu::Device& device, const std::string& time, double spi
                                    {kFilmWidth, kFilmHeight, kSamples});
     const stage::Camera camera = look_at({0.15, 1.1, 4}, {0.15, 0.95, 0}, kFilmWidth, kFilmHeight, 3.8);
     media::Image strip(kTimes * kFilmWidth, kFilmHeight);
-    for (uint32_t i = 0; i < kTimes; i++) {
+    for (uint32_t i = 0; i < kTimes; ++i) {
         const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0.25 * i);
         renderer.show(evaluated);
         const media::Image one = renderer.frames().render(camera, renderer.settings_at(evaluated));
-        for (uint32_t y = 0; y < kFilmHeight; y++)
+        for (uint32_t y = 0; y < kFilmHeight; ++y)
             std::copy_n(one.at(0, y), size_t{4} * kFilmWidth, strip.at(i * kFilmWidth, y));
     }
     return strip;
@@ -188,12 +188,12 @@ media::Image foreign(const gpu::Device& device) {
     const stage::Stage stage = stage::load_stage(folder.path / "stage.gltf");
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), {kWidth, kHeight, kSamples});
     media::Image both(2 * kWidth, kHeight);
-    for (uint32_t i = 0; i < 2; i++) {
+    for (uint32_t i = 0; i < 2; ++i) {
         const stage::EvaluatedStage evaluated = stage::stage_at(stage, 2 * i);
         renderer.show(evaluated);
         const stage::Camera camera = stage::camera_of(stage, "Camera", evaluated, kWidth, kHeight);
         const media::Image one = renderer.frames().render(camera, renderer.settings_at(evaluated));
-        for (uint32_t y = 0; y < kHeight; y++) std::copy_n(one.at(0, y), size_t{4} * kWidth, both.at(i * kWidth, y));
+        for (uint32_t y = 0; y < kHeight; ++y) std::copy_n(one.at(0, y), size_t{4} * kWidth, both.at(i * kWidth, y));
     }
     return both;
 }

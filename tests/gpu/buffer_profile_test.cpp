@@ -137,7 +137,7 @@ struct PairsOfForms {
         const gpu::ShaderInterface other = gpu::reflect(words, file);
         ASSERT_EQ(one.bindings.size(), other.bindings.size()) << file;
         size_t changed = 0;
-        for (size_t i = 0; i < one.bindings.size(); i++) {
+        for (size_t i = 0; i < one.bindings.size(); ++i) {
             EXPECT_EQ(one.bindings[i].binding, other.bindings[i].binding) << file;
             if (one.bindings[i].type == other.bindings[i].type) continue;
             EXPECT_EQ(other.bindings[i].type, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) << file;

@@ -84,9 +84,9 @@ TEST_F(KeptTimes, AreInBoundsWhateverTheFileSays) {
     const std::string good = written();
     std::mt19937 random(7);
     const auto below = [&](size_t end) { return std::uniform_int_distribution<size_t>(0, end - 1)(random); };
-    for (int i = 0; i < 300; i++) {
+    for (int i = 0; i < 300; ++i) {
         std::string text = good;
-        for (size_t changes = 1 + below(4); changes > 0; changes--)
+        for (size_t changes = 1 + below(4); changes > 0; --changes)
             text[below(text.size())] = static_cast<char>(below(256));
         text.resize(1 + below(text.size()));
         if (i % 2) text += good.substr(std::min(text.size(), good.size()));

@@ -34,7 +34,7 @@ TEST_F(DebugBuffers, HoldWhatEveryThreadSaid) {
     EXPECT_EQ(lost, 0u);
     std::sort(records.begin(), records.end(),
               [](auto& a, auto& b) { return std::pair(a.code, a.x) < std::pair(b.code, b.x); });
-    for (uint32_t i = 0; i < 1000; i++) {
+    for (uint32_t i = 0; i < 1000; ++i) {
         EXPECT_EQ(records[i].code, 7u);
         EXPECT_EQ(records[i].x, i);
         EXPECT_EQ(records[i].words.x, i);

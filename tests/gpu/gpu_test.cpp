@@ -125,7 +125,7 @@ TEST_F(BufferTest, LimitsAreNamed) {
 // Data longer than a staging buffer, with every kind of float bit pattern.
 TEST_F(BufferTest, WhatGoesUpComesDown) {
     std::vector<float> data((uint64_t{64} << 20) / sizeof(float) + 1023);
-    for (size_t i = 0; i < data.size(); i++) data[i] = static_cast<float>(i % 8191) - 0.1f;
+    for (size_t i = 0; i < data.size(); ++i) data[i] = static_cast<float>(i % 8191) - 0.1f;
     data[0] = std::numeric_limits<float>::infinity();
     data[1] = std::bit_cast<float>(0x7fc12345u);
     data[2] = std::numeric_limits<float>::denorm_min();
@@ -145,14 +145,14 @@ TEST_F(BufferTest, SeveralGoUpTogether) {
     std::vector<std::vector<uint32_t>> values;
     for (const size_t count : {size_t{11} << 20, size_t{3}, size_t{0}, size_t{9} << 20, size_t{1}}) {
         std::vector<uint32_t>& all = values.emplace_back(count);
-        for (size_t i = 0; i < count; i++) all[i] = static_cast<uint32_t>(i * 2654435761u + values.size());
+        for (size_t i = 0; i < count; ++i) all[i] = static_cast<uint32_t>(i * 2654435761u + values.size());
     }
     gpu::Uploads uploads(device());
     std::vector<gpu::Buffer> buffers;
     for (const auto& all : values) buffers.push_back(uploads.add("one of several", all, VK_FORMAT_R32_UINT));
     uploads.finish();
     uploads.finish();  // nothing is left
-    for (size_t i = 0; i < values.size(); i++) {
+    for (size_t i = 0; i < values.size(); ++i) {
         std::vector<uint32_t> back(values[i].size());
         gpu::download(device(), buffers[i], back.data(), back.size() * sizeof(uint32_t));
         EXPECT_EQ(back, values[i]) << i;
@@ -218,7 +218,7 @@ TEST(Reflect, FindsEveryKindOfBinding) {
                storage = gpu::reflect(slice_colour_comp_storage, "slice colour").bindings;
     ASSERT_EQ(texel.size(), expected.size());
     ASSERT_EQ(storage.size(), expected.size());
-    for (size_t i = 0; i < expected.size(); i++) {
+    for (size_t i = 0; i < expected.size(); ++i) {
         EXPECT_EQ(texel[i].binding, expected[i].binding);
         EXPECT_EQ(texel[i].type, expected[i].texel);
         EXPECT_EQ(storage[i].binding, expected[i].binding);

@@ -26,7 +26,7 @@ namespace {
 
 std::vector<uint32_t> numbers(size_t count, uint32_t seed) {
     std::vector<uint32_t> all(count);
-    for (size_t i = 0; i < count; i++) all[i] = static_cast<uint32_t>(i) * 2654435761u + seed;
+    for (size_t i = 0; i < count; ++i) all[i] = static_cast<uint32_t>(i) * 2654435761u + seed;
     return all;
 }
 
@@ -84,7 +84,7 @@ TEST_F(TransferQueueTest, ThreadsUploadWhileTheMainQueueWorks) {
     auto draws = std::async(std::launch::async, [&] {
         const gpu::Buffer target(device(), "drawn", 1 << 20, gpu::MemoryKind::kDevice);
         int drawn = 0;
-        for (; !is_done; drawn++) {
+        for (; !is_done; ++drawn) {
             gpu::run_once(device(), "draw", [&](gpu::Commands& to) { gpu::fill(to, target, 1); });
             device().wait_idle();
         }
@@ -92,10 +92,10 @@ TEST_F(TransferQueueTest, ThreadsUploadWhileTheMainQueueWorks) {
     });
     constexpr uint32_t kThreads = 3, kUploads = 20;
     std::vector<std::future<uint32_t>> threads;
-    for (uint32_t thread = 0; thread < kThreads; thread++)
+    for (uint32_t thread = 0; thread < kThreads; ++thread)
         threads.push_back(std::async(std::launch::async, [thread] {
             uint32_t wrong = 0;
-            for (uint32_t i = 0; i < kUploads; i++) {
+            for (uint32_t i = 0; i < kUploads; ++i) {
                 const std::vector<uint32_t> values = numbers(10000 + 1000 * size_t{i}, thread * kUploads + i);
                 const gpu::Buffer buffer = gpu::uploaded(device(), "numbers", values, VK_FORMAT_R32_UINT);
                 wrong += downloaded(buffer, values.size()) != values;

@@ -45,12 +45,12 @@ void expect_update(const State& before, const State& after, const std::vector<fl
     ASSERT_EQ(before.weights.size(), gradient.size());
     float largest = 0;
     for (const float g : gradient) largest = std::max(largest, std::abs(g));
-    for (size_t i = 0; i < gradient.size(); i++) {
+    for (size_t i = 0; i < gradient.size(); ++i) {
         if (gradient[i] == 0) {
             ASSERT_EQ(after.weights[i], before.weights[i]);
             ASSERT_EQ(after.first[i], before.first[i]);
             ASSERT_EQ(after.second[i], before.second[i]);
-            counts.kept++;
+            ++counts.kept;
             continue;
         }
         if (std::abs(gradient[i]) < 1e-4f * largest) continue;
@@ -63,7 +63,7 @@ void expect_update(const State& before, const State& after, const std::vector<fl
         ASSERT_NEAR(after.second[i], truth.v, 1e-3 * truth.v) << i;
         ASSERT_NEAR(after.weights[i], truth.weight, 1e-3 * rate + 1e-6 * std::abs(truth.weight)) << i;
         ASSERT_NE(after.weights[i], before.weights[i]) << i;
-        counts.moved++;
+        ++counts.moved;
     }
 }
 
@@ -95,7 +95,7 @@ TEST_F(AdamTest, MovesWeightsAndRowsAsTheReferenceDoes) {
         return static_cast<double>(of_a ? rates.sigma_rows : rates.gamma_rows);
     };
     Counts weights, rows;
-    for (uint32_t i = 1; i <= 3; i++) {
+    for (uint32_t i = 1; i <= 3; ++i) {
         SCOPED_TRACE("step " + std::to_string(i));
         const Scene scene = with_tiles(all, 2 * i, 3, i);
         const Gradients gradients = emitted_gradients(device(), step, scene);
@@ -131,7 +131,7 @@ TEST_F(AdamTest, LeavesRememberHowTheyWereUsed) {
     };
     const training::LeafUse once = run_at(0.5f), twice = run_at(2);
     size_t reached = 0, weakly = 0, grown = 0;
-    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; ++leaf) {
         EXPECT_EQ(once.frames[leaf], once.max_weight[leaf] >= 0.05f ? 0b011u : 0u);
         EXPECT_EQ(once.frames[leaf] & ~twice.frames[leaf], 0u);
         EXPECT_GE(twice.max_weight[leaf], once.max_weight[leaf]);
@@ -169,7 +169,7 @@ TEST_F(AdamTest, DensitiesStayAboveTheirBound) {
     const voctree::VOctree free = depths_after_a_step(0), bounded = depths_after_a_step(kBound);
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(scene.tree);
     size_t emptied = 0;
-    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; ++leaf) {
         const float before = scene.tree.leaf(leaf)[1],
                     bound = kBound * std::exp2(static_cast<float>(positions[leaf].depth)) / scene.tree.box_size.x;
         EXPECT_EQ(bounded.leaf(leaf)[0], scene.tree.leaf(leaf)[0]) << "another frame";
@@ -178,7 +178,7 @@ TEST_F(AdamTest, DensitiesStayAboveTheirBound) {
             EXPECT_EQ(bounded.leaf(leaf)[1], before) << "no ray touched it";
         } else if (free.leaf(leaf)[1] < bound) {
             EXPECT_FLOAT_EQ(bounded.leaf(leaf)[1], bound);
-            emptied++;
+            ++emptied;
         } else {
             EXPECT_NEAR(bounded.leaf(leaf)[1], free.leaf(leaf)[1], 1e-3f * free.leaf(leaf)[1]);
         }
@@ -211,19 +211,19 @@ TEST_F(AdamTest, AHundredStepsLearnAFixedBatch) {
     teacher.wait();
     std::vector<glm::vec4> seen(scene.target.size());
     gpu::download(device(), teacher.rays().radiance, seen.data(), seen.size() * sizeof(glm::vec4));
-    for (size_t i = 0; i < seen.size(); i++)
+    for (size_t i = 0; i < seen.size(); ++i)
         if (scene.target[i].a >= 0) scene.target[i] = seen[i];
 
     voctree::VOctree pupil = scene.tree;
-    for (uint32_t leaf = 0; leaf < pupil.leaf_count; leaf++)
-        for (uint32_t i = 2 * pupil.bases; i < pupil.weights_per_leaf(); i++) pupil.leaf(leaf)[i] = 0;  // grey
+    for (uint32_t leaf = 0; leaf < pupil.leaf_count; ++leaf)
+        for (uint32_t i = 2 * pupil.bases; i < pupil.weights_per_leaf(); ++i) pupil.leaf(leaf)[i] = 0;  // grey
     training::TrainingStep step(device(), pupil, 2, 7);
     load_scene(step, scene);
     training::StepSettings settings = settings_of(scene);
     settings.rates = {
         .sigma = 0.05f, .gamma = 0.01f, .colour = 0.15f, .detail = 0.15f, .sigma_rows = 1e-3f, .gamma_rows = 1e-3f};
     double first = 0, last = 0;
-    for (uint32_t i = 1; i <= 100; i++) {
+    for (uint32_t i = 1; i <= 100; ++i) {
         settings.adam.step = i;
         step.submit(settings);
         const training::StepResult result = step.wait();

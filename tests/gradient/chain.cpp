@@ -13,7 +13,7 @@ constexpr double kNudge = 1e-5;
 // A_t or B_t in double precision.
 std::vector<double> row_at(const std::vector<double>& basis, uint32_t bases, const reference::FrameRows& rows) {
     std::vector<double> row(bases);
-    for (size_t i = 0; i < bases; i++)
+    for (size_t i = 0; i < bases; ++i)
         row[i] = (1 - rows.blend) * basis[rows.first * size_t{bases} + i] +
                  rows.blend * basis[rows.second * size_t{bases} + i];
     return row;
@@ -45,10 +45,10 @@ Chain::Chain(const Scene& scene)
       gamma_basis_(scene.tree.gamma_basis.begin(), scene.tree.gamma_basis.end()),
       slices_(scene.tree.leaf_count),
       tiles_of_leaf_(scene.tree.leaf_count) {
-    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++)
+    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; ++leaf)
         weights_.push_back(reference::leaf_weights(scene.tree, leaf));
-    for (size_t tile = 0; tile < scene.tiles.size(); tile++)
-        for (uint32_t lane = 0; lane < kTilePixels; lane++) {
+    for (size_t tile = 0; tile < scene.tiles.size(); ++tile)
+        for (uint32_t lane = 0; lane < kTilePixels; ++lane) {
             const reference::Ray ray = ray_of(scene, scene.tiles[tile], lane);
             rays_.push_back({ray.direction, reference::intersect(scene.tree, ray)});
             if (scene.target[rays_.size() - 1].a < 0) continue;
@@ -71,7 +71,7 @@ void Chain::slice_rows() {
     const auto rows = reference::frame_rows(static_cast<double>(scene_.frame), scene_.tree.frames);
     row_a_ = row_at(sigma_basis_, scene_.tree.bases, rows);
     row_b_ = row_at(gamma_basis_, scene_.tree.bases, rows);
-    for (uint32_t leaf = 0; leaf < slices_.size(); leaf++) slice_leaf(leaf);
+    for (uint32_t leaf = 0; leaf < slices_.size(); ++leaf) slice_leaf(leaf);
 }
 
 std::vector<reference::Sample> Chain::samples(const PathRay& ray) const {
@@ -99,7 +99,7 @@ double Chain::ray_point_loss(const PathRay& ray, glm::dvec4 truth) const {
 double Chain::tile_loss(size_t tile) const {
     reference::Patch patch;
     double point = 0;
-    for (size_t i = 0; i < kTilePixels; i++) {
+    for (size_t i = 0; i < kTilePixels; ++i) {
         const size_t ray = tile * kTilePixels + i;
         const glm::dvec4 truth(scene_.target[ray]);
         patch[i].inside = truth.a >= 0;
@@ -118,7 +118,7 @@ double Chain::tile_loss(size_t tile) const {
 
 double Chain::loss() const {
     double sum = 0;
-    for (size_t tile = 0; tile < scene_.tiles.size(); tile++) sum += tile_loss(tile);
+    for (size_t tile = 0; tile < scene_.tiles.size(); ++tile) sum += tile_loss(tile);
     if (scene_.weights.smoothness > 0)
         for (const uint32_t leaf : seen_) sum += leaf_smoothness(leaf);
     return sum;
@@ -128,7 +128,7 @@ double Chain::loss() const {
 double Chain::leaf_smoothness(uint32_t leaf) const {
     std::array<double, 6> neighbours{};
     const std::array<uint32_t, 6> found = reference::face_neighbours(positions_, leaf, 2 * scene_.tree.node_levels);
-    for (size_t i = 0; i < 6; i++) neighbours[i] = found[i] == UINT32_MAX ? 0 : first_sigmas_[found[i]];
+    for (size_t i = 0; i < 6; ++i) neighbours[i] = found[i] == UINT32_MAX ? 0 : first_sigmas_[found[i]];
     const double edge = static_cast<double>(scene_.tree.box_size.x) / (1u << positions_[leaf].depth);
     return static_cast<double>(scene_.weights.smoothness) *
            reference::smoothness(slices_[leaf].sigma, edge, neighbours);
@@ -155,7 +155,7 @@ double Chain::by_row(bool of_gamma, size_t element) {
 
 std::vector<uint32_t> Chain::seen_leaves() const {
     std::vector<bool> seen(slices_.size());
-    for (size_t i = 0; i < rays_.size(); i++) {
+    for (size_t i = 0; i < rays_.size(); ++i) {
         if (scene_.target[i].a < 0) continue;
         double transmittance = 1;
         for (const reference::Segment& segment : rays_[i].segments) {
@@ -166,14 +166,14 @@ std::vector<uint32_t> Chain::seen_leaves() const {
         }
     }
     std::vector<uint32_t> leaves;
-    for (uint32_t leaf = 0; leaf < seen.size(); leaf++)
+    for (uint32_t leaf = 0; leaf < seen.size(); ++leaf)
         if (seen[leaf]) leaves.push_back(leaf);
     return leaves;
 }
 
 uint32_t Chain::rays_ended_early() const {
     uint32_t count = 0;
-    for (size_t i = 0; i < rays_.size(); i++) {
+    for (size_t i = 0; i < rays_.size(); ++i) {
         const std::vector<reference::Sample> all = samples(rays_[i]);
         const double stop = static_cast<double>(scene_.stop);
         count += reference::composite(all, stop).alpha < reference::composite(all, 0).alpha ? 1 : 0;

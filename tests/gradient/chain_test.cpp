@@ -21,16 +21,16 @@ struct Group {
 
 std::vector<Group> groups_of(const voctree::VOctree& tree) {
     std::vector<Group> groups = {{"w sigma", {}}, {"w gamma", {}}};
-    for (uint32_t l = 0; l <= tree.hh_degree; l++) groups.push_back({"w HH, l = " + std::to_string(l), {}});
-    for (uint32_t c = 0; c < tree.bases; c++) {
+    for (uint32_t l = 0; l <= tree.hh_degree; ++l) groups.push_back({"w HH, l = " + std::to_string(l), {}});
+    for (uint32_t c = 0; c < tree.bases; ++c) {
         groups[0].weights.push_back(c);
         groups[1].weights.push_back(tree.bases + c);
     }
-    for (uint32_t channel = 0; channel < 3; channel++) {
+    for (uint32_t channel = 0; channel < 3; ++channel) {
         uint32_t weight = 2 * tree.bases + channel * hh_count(tree.hh_degree);
-        for (uint32_t n = 0; n <= tree.hh_degree; n++)
-            for (uint32_t l = 0; l <= n; l++)
-                for (uint32_t m = 0; m < 2 * l + 1; m++) groups[2 + l].weights.push_back(weight++);
+        for (uint32_t n = 0; n <= tree.hh_degree; ++n)
+            for (uint32_t l = 0; l <= n; ++l)
+                for (uint32_t m = 0; m < 2 * l + 1; ++m) groups[2 + l].weights.push_back(weight++);
     }
     return groups;
 }
@@ -41,7 +41,7 @@ void expect_weight_gradients(const Scene& scene, Chain& chain, const Gradients& 
     ASSERT_GT(seen.size(), 10u);
     for (const Group& group : groups_of(scene.tree)) {
         std::vector<GradientPair> pairs;
-        for (size_t i = 0; i < kPicks; i++) {
+        for (size_t i = 0; i < kPicks; ++i) {
             const uint32_t leaf = seen[random.below(seen.size())];
             const uint32_t weight = group.weights[random.below(group.weights.size())];
             const float found = gradients.weights[index_in_planes(scene.tree, leaf, weight)];
@@ -62,7 +62,7 @@ void expect_row_gradients(const Scene& scene, Chain& chain, const Gradients& gra
     const auto first = static_cast<uint32_t>(scene.frame);
     for (const bool of_gamma : {false, true}) {
         std::vector<GradientPair> pairs;
-        for (size_t i = 0; i < size_t{scene.tree.frames} * bases; i++) {
+        for (size_t i = 0; i < size_t{scene.tree.frames} * bases; ++i) {
             const auto found =
                 static_cast<double>(gradients.rows[i + (of_gamma ? size_t{scene.tree.frames} * bases : 0)]);
             const bool moves = i / bases == first || i / bases == first + 1;
@@ -80,10 +80,10 @@ void expect_nothing_elsewhere(const Scene& scene, const Chain& chain, const Grad
     std::vector<bool> seen(scene.tree.leaf_count);
     for (const uint32_t leaf : chain.seen_leaves()) seen[leaf] = true;
     size_t unseen = 0;
-    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; ++leaf) {
         if (seen[leaf]) continue;
-        unseen++;
-        for (uint32_t weight = 0; weight < scene.tree.weights_per_leaf(); weight++)
+        ++unseen;
+        for (uint32_t weight = 0; weight < scene.tree.weights_per_leaf(); ++weight)
             ASSERT_EQ(gradients.weights[index_in_planes(scene.tree, leaf, weight)], 0.0f) << leaf;
     }
     EXPECT_GT(unseen, 0u);
@@ -101,7 +101,7 @@ void expect_chain(const gpu::Device& device, const Scene& scene) {
 using ChainGradient = GpuTest;
 
 TEST_F(ChainGradient, IsThatOfTheReferenceForEveryDegree) {
-    for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
+    for (uint32_t degree = 0; degree <= kMaxHhDegree; ++degree) {
         SCOPED_TRACE("degree " + std::to_string(degree));
         const uint32_t bases = 3 + 2 * degree;  // 3, 5, 7, 9: never a multiple of four
         expect_chain(device(),
@@ -157,12 +157,12 @@ TEST_F(ChainGradient, ASecondStepStartsClean) {
     size_t touched = 0;
     float largest = 0;
     for (const float value : truth.weights) largest = std::max(largest, std::abs(value));
-    for (size_t i = 0; i < truth.weights.size(); i++) {
+    for (size_t i = 0; i < truth.weights.size(); ++i) {
         touched += truth.weights[i] != 0;
         ASSERT_NEAR(again.weights[i], truth.weights[i], 1e-5f * largest);  // the order of atomic additions varies
     }
     EXPECT_GT(touched, 1000u);
-    for (size_t i = 0; i < truth.rows.size(); i++) ASSERT_NEAR(again.rows[i], truth.rows[i], 1e-4f * largest);
+    for (size_t i = 0; i < truth.rows.size(); ++i) ASSERT_NEAR(again.rows[i], truth.rows[i], 1e-4f * largest);
 }
 
 // Steps at the same frame update the slice to the moved weights, instead of slicing again.
@@ -174,7 +174,7 @@ TEST_F(ChainGradient, AKeptSliceIsThatOfTheMovedWeights) {
     training::StepSettings settings = settings_of(scene);
     settings.learn_rows = false;
     settings.rates = {.sigma = 0.5f, .gamma = 0.1f, .colour = 0.3f, .detail = 0.2f};
-    for (settings.adam.step = 1; settings.adam.step <= 3; settings.adam.step++) {
+    for (settings.adam.step = 1; settings.adam.step <= 3; ++settings.adam.step) {
         kept.submit(settings);
         kept.wait();
     }
@@ -185,17 +185,17 @@ TEST_F(ChainGradient, AKeptSliceIsThatOfTheMovedWeights) {
                     before = emitted_gradients(
                         device(), *std::make_unique<training::TrainingStep>(device(), scene.tree, 2, tiles), scene);
     float largest = 0, moved_by = 0;
-    for (size_t i = 0; i < truth.weights.size(); i++) {
+    for (size_t i = 0; i < truth.weights.size(); ++i) {
         largest = std::max(largest, std::abs(truth.weights[i]));
         moved_by = std::max(moved_by, std::abs(truth.weights[i] - before.weights[i]));
     }
     EXPECT_GT(moved_by, 0.1f * largest);
-    for (size_t i = 0; i < truth.weights.size(); i++)
+    for (size_t i = 0; i < truth.weights.size(); ++i)
         ASSERT_NEAR(found.weights[i], truth.weights[i], 1e-5f * largest) << i;
 }
 
 TEST_F(ChainGradient, TheDirectStepsIsThatOfTheReferenceWithBothAtomics) {
-    for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
+    for (uint32_t degree = 0; degree <= kMaxHhDegree; ++degree) {
         SCOPED_TRACE("degree " + std::to_string(degree));
         const Scene scene =
             random_scene({.tree = {.seed = 51 + degree, .leaves = 300, .bases = 3 + 2 * degree, .hh_degree = degree}});
@@ -217,7 +217,7 @@ TEST_F(ChainGradient, TheDirectStepsIsThatOfTheReferenceWithBothAtomics) {
 TEST(GradientComparison, NoticesOnePartInFiveHundred) {
     const std::vector<GradientPair> right = {{1, 1}, {-0.5, -0.5}, {1e-7, 0}, {2e-4, 2e-4}};
     EXPECT_LE(gradient_disagreement(right), kGradientTolerance);
-    for (size_t i = 0; i < right.size(); i++) {
+    for (size_t i = 0; i < right.size(); ++i) {
         std::vector<GradientPair> wrong = right;
         wrong[i].found = 1.002 * wrong[i].truth + 1e-5 * (i == 2);
         EXPECT_EQ(gradient_disagreement(wrong) > kGradientTolerance, i != 3) << i;

@@ -27,14 +27,14 @@ LossScene random_loss_scene(uint64_t seed, uint32_t samples = 1) {
     Random random(seed);
     const auto between = [&](double low, double high) { return static_cast<float>(random.uniform(low, high)); };
     LossScene scene;
-    for (uint32_t i = 0; i < kTiles * kTilePixels; i++) {
+    for (uint32_t i = 0; i < kTiles * kTilePixels; ++i) {
         const uint32_t tile = i / kTilePixels, x = i % kTile, y = i % kTilePixels / kTile;
         const bool inside = tile == 0 || (x < 4 && (tile == 1 || y < 4));
         const uint32_t first = i - x % samples - y % samples * kTile;  // the first ray of this ray's pixel
         const bool dark = first % 3 == 0;
         const float alpha = between(0.1, 0.95), true_alpha = between(0, 1);
         glm::vec4 seen(0, 0, 0, alpha), truth(0, 0, 0, true_alpha), behind(0);
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; ++c) {
             behind[c] = dark ? between(1e-4, 1e-3) : between(0.05, 0.9);
             seen[c] = dark ? between(1e-4, 1e-3) : alpha * between(0.1, 0.9);
             truth[c] = true_alpha * between(0.1, 0.9);
@@ -49,7 +49,7 @@ LossScene random_loss_scene(uint64_t seed, uint32_t samples = 1) {
 
 reference::Patch patch_of(const LossScene& scene, uint32_t tile) {
     reference::Patch patch;
-    for (uint32_t i = 0; i < kTilePixels; i++) {
+    for (uint32_t i = 0; i < kTilePixels; ++i) {
         const size_t ray = size_t{tile} * kTilePixels + i;
         patch[i] = {glm::dvec3(scene.radiance[ray]),   scene.radiance[ray].a,
                     glm::dvec3(scene.target[ray]),     scene.target[ray].a,
@@ -69,7 +69,7 @@ DeviceLoss loss_on(const gpu::Device& device, const LossScene& scene, uint32_t s
     const training::Loss loss(device, rays, batch);
     const uint64_t bytes = scene.radiance.size() * sizeof(glm::vec4);
     gpu::upload(device, rays.radiance, scene.radiance.data(), bytes);
-    for (size_t i = 0; i < scene.target.size(); i++) {
+    for (size_t i = 0; i < scene.target.size(); ++i) {
         glm::vec4 target = scene.target[i];
         if (!scene.colours.empty() && target.a >= 0)
             target = glm::vec4(training::seen(training::inverse(scene.colours[i / kTilePixels]), target), target.a);
@@ -113,7 +113,7 @@ TEST_P(LossOfSamples, SumsAreThoseOfTheReference) {
     const LossScene scene = random_loss_scene(1, GetParam());
     const DeviceLoss found = loss_on(device(), scene, GetParam());
     const float rays[kTiles] = {64, 32, 16};
-    for (uint32_t tile = 0; tile < kTiles; tile++) {
+    for (uint32_t tile = 0; tile < kTiles; ++tile) {
         const reference::PatchLoss truth =
             reference::patch_loss(reference::pixel_means(patch_of(scene, tile), GetParam()), 1);
         EXPECT_NEAR(found.sums[tile].x, truth.rgb, 1e-5 * truth.rgb);
@@ -126,15 +126,15 @@ TEST_P(LossOfSamples, AdjointIsTheDerivative) {
     const LossScene scene = random_loss_scene(2, GetParam());
     const DeviceLoss found = loss_on(device(), scene, GetParam());
     std::vector<GradientPair> colours, alphas;
-    for (uint32_t tile = 0; tile < kTiles; tile++) {
+    for (uint32_t tile = 0; tile < kTiles; ++tile) {
         reference::Patch patch = patch_of(scene, tile);
-        for (uint32_t i = 0; i < kTilePixels; i++) {
+        for (uint32_t i = 0; i < kTilePixels; ++i) {
             const glm::vec4 adjoint = found.adjoint[size_t{tile} * kTilePixels + i];
             if (!patch[i].inside) {
                 EXPECT_EQ(adjoint, glm::vec4(0));
                 continue;
             }
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; ++c)
                 colours.push_back({adjoint[c], by_central_difference(patch, patch[i].colour[c], GetParam())});
             alphas.push_back({adjoint.a, by_central_difference(patch, patch[i].alpha, GetParam())});
         }
@@ -147,14 +147,14 @@ TEST_P(LossOfSamples, AdjointIsTheDerivative) {
 CameraColour random_colour(Random& random) {
     CameraColour colour = training::kNeutralColour;
     for (glm::vec4& row : colour.rows)
-        for (int i = 0; i < 4; i++) row[i] += static_cast<float>(random.uniform(0, 0.04));
+        for (int i = 0; i < 4; ++i) row[i] += static_cast<float>(random.uniform(0, 0.04));
     return colour;
 }
 
 reference::CameraColour exact(const CameraColour& colour) {
     reference::CameraColour result;
-    for (int row = 0; row < 3; row++) {
-        for (int c = 0; c < 3; c++) result.matrix[c][row] = double{colour.rows[row][c]};
+    for (int row = 0; row < 3; ++row) {
+        for (int c = 0; c < 3; ++c) result.matrix[c][row] = double{colour.rows[row][c]};
         result.offset[row] = double{colour.rows[row].a};
     }
     return result;
@@ -163,10 +163,10 @@ reference::CameraColour exact(const CameraColour& colour) {
 TEST_P(LossOfSamples, AdjointThroughACamerasColourIsTheDerivative) {
     LossScene scene = random_loss_scene(5, GetParam());
     Random random(6);
-    for (uint32_t tile = 0; tile < kTiles; tile++) scene.colours.push_back(random_colour(random));
+    for (uint32_t tile = 0; tile < kTiles; ++tile) scene.colours.push_back(random_colour(random));
     const DeviceLoss found = loss_on(device(), scene, GetParam());
     std::vector<GradientPair> rays, cameras;
-    for (uint32_t tile = 0; tile < kTiles; tile++) {
+    for (uint32_t tile = 0; tile < kTiles; ++tile) {
         const reference::CameraColour camera = exact(scene.colours[tile]);
         const reference::Patch patch = patch_of(scene, tile);
         reference::Patch pixels = reference::pixel_means(patch, GetParam());
@@ -174,18 +174,18 @@ TEST_P(LossOfSamples, AdjointThroughACamerasColourIsTheDerivative) {
         EXPECT_NEAR(found.sums[tile].x, truth.rgb, 1e-4 * truth.rgb);
         const reference::ColourGradient gradient = reference::seen_by_adjoint(
             camera, pixels, reference::patch_loss_adjoint(reference::seen_by(camera, pixels), kLambda, 1));
-        for (int row = 0; row < 3; row++) {
+        for (int row = 0; row < 3; ++row) {
             const glm::vec4 sums = found.colour_gradients[tile].rows[row];
-            for (int c = 0; c < 3; c++) cameras.push_back({sums[c], gradient.camera.matrix[c][row]});
+            for (int c = 0; c < 3; ++c) cameras.push_back({sums[c], gradient.camera.matrix[c][row]});
             cameras.push_back({sums.a, gradient.camera.offset[row]});
         }
-        for (uint32_t i = 0; i < kTilePixels; i++) {
+        for (uint32_t i = 0; i < kTilePixels; ++i) {
             if (!patch[i].inside) continue;
             const uint32_t pixel = i / kTile / GetParam() * kTile + i % kTile / GetParam();
             const reference::PixelGradient& d = gradient.pixels[pixel];
             const glm::vec4 adjoint = found.adjoint[size_t{tile} * kTilePixels + i];
             const double rays_a_pixel = GetParam() * GetParam();
-            for (int c = 0; c < 3; c++) rays.push_back({adjoint[c] * rays_a_pixel, d.colour[c]});
+            for (int c = 0; c < 3; ++c) rays.push_back({adjoint[c] * rays_a_pixel, d.colour[c]});
             rays.push_back({adjoint.a * rays_a_pixel, d.alpha});
         }
     }
@@ -198,7 +198,7 @@ INSTANTIATE_TEST_SUITE_P(RaysAPixel, LossOfSamples, ::testing::Values(1, 2, 4));
 TEST_F(LossTest, NeighboursBeyondThePictureChangeNothing) {
     LossScene scene = random_loss_scene(3);
     const DeviceLoss before = loss_on(device(), scene);
-    for (size_t i = 0; i < scene.target.size(); i++)
+    for (size_t i = 0; i < scene.target.size(); ++i)
         if (scene.target[i].a < 0) scene.radiance[i] = glm::vec4(7);
     const DeviceLoss after = loss_on(device(), scene);
     EXPECT_EQ(before.adjoint, after.adjoint);

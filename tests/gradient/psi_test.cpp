@@ -31,11 +31,11 @@ training::PsiNetwork random_psi(const Scene& scene, const PsiOptions& options) {
     training::PsiNetwork network = training::initial_psi(shape, scene.tree.box_min, scene.tree.box_size, options.seed);
     network.density = 3;
     Random random(options.seed + 1);
-    for (uint32_t i = shape.output_offset(); i < shape.parameter_count(); i++)
+    for (uint32_t i = shape.output_offset(); i < shape.parameter_count(); ++i)
         network.parameters[i] = static_cast<float>((i < shape.sigma_rows_offset() ? 0.4 : 0.6) * random.bell());
-    for (uint32_t layer = 0; layer < shape.layers; layer++) {
+    for (uint32_t layer = 0; layer < shape.layers; ++layer) {
         float* bias = &network.parameters[psi_layer_offset(layer + 1, shape.inputs(), shape.width) - shape.width];
-        for (uint32_t o = 0; o < shape.width; o++) bias[o] = static_cast<float>(0.3 * random.bell());
+        for (uint32_t o = 0; o < shape.width; ++o) bias[o] = static_cast<float>(0.3 * random.bell());
     }
     return network;
 }
@@ -55,7 +55,7 @@ reference::Psi reference_of(const training::PsiNetwork& network) {
         return layer;
     };
     reference::Psi psi{shape.frequencies, shape.bases, shape.hh_degree, static_cast<double>(network.density), {}, {}};
-    for (uint32_t layer = 0; layer < shape.layers; layer++)
+    for (uint32_t layer = 0; layer < shape.layers; ++layer)
         psi.hidden.push_back(layer_at(psi_layer_offset(layer, shape.inputs(), shape.width),
                                       layer == 0 ? 3 + 6 * shape.frequencies : shape.width,
                                       layer == 0 ? shape.inputs() : shape.width, shape.width));
@@ -88,7 +88,7 @@ class PsiChain {
         row_a = basis(network.shape.sigma_rows_offset());
         row_b = basis(network.shape.gamma_rows_offset());
         for (const Tile& tile : scene.tiles)
-            for (uint32_t lane = 0; lane < kTilePixels; lane++)
+            for (uint32_t lane = 0; lane < kTilePixels; ++lane)
                 directions_.push_back(ray_of(scene, tile, lane).direction);
     }
 
@@ -97,17 +97,17 @@ class PsiChain {
     }
     double loss() const {
         double sum = 0;
-        for (size_t tile = 0; tile < scene_.tiles.size(); tile++)
+        for (size_t tile = 0; tile < scene_.tiles.size(); ++tile)
             sum += reference::patch_loss(patch(tile), 1).total(static_cast<double>(scene_.weights.grad));
         return sum;
     }
     // `revival` in 1/m.
     reference::PsiGradient gradient(double revival) const {
         reference::PsiGradient sum = reference::psi_gradient_begin(psi);
-        for (size_t tile = 0; tile < scene_.tiles.size(); tile++) {
+        for (size_t tile = 0; tile < scene_.tiles.size(); ++tile) {
             const auto d_pixels =
                 reference::patch_loss_adjoint(patch(tile), static_cast<double>(scene_.weights.grad), 1);
-            for (size_t lane = 0; lane < kTilePixels; lane++) add_ray(tile, lane, d_pixels[lane], revival, sum);
+            for (size_t lane = 0; lane < kTilePixels; ++lane) add_ray(tile, lane, d_pixels[lane], revival, sum);
         }
         return sum;
     }
@@ -122,7 +122,7 @@ class PsiChain {
     }
     std::vector<reference::Sample> samples(size_t tile, size_t lane) const {
         std::vector<reference::Sample> result;
-        for (size_t i = 0; i < kSampling.fine; i++) {
+        for (size_t i = 0; i < kSampling.fine; ++i) {
             const size_t at = sample_of(tile, lane, i);
             const reference::PsiSample value = sample(at);
             result.push_back({value.sigma, value.colour, static_cast<double>(points_[at].w), 0});
@@ -131,7 +131,7 @@ class PsiChain {
     }
     reference::Patch patch(size_t tile) const {
         reference::Patch patch;
-        for (size_t lane = 0; lane < kTilePixels; lane++) {
+        for (size_t lane = 0; lane < kTilePixels; ++lane) {
             const size_t ray = tile * kTilePixels + lane;
             const glm::dvec4 truth(scene_.target[ray]);
             patch[lane].inside = truth.a >= 0;
@@ -148,7 +148,7 @@ class PsiChain {
     void add_ray(size_t tile, size_t lane, const reference::PixelGradient& d, double revival,
                  reference::PsiGradient& sum) const {
         const auto by_sample = reference::composite_adjoint(samples(tile, lane), d.colour, d.alpha);
-        for (size_t i = 0; i < kSampling.fine; i++) {
+        for (size_t i = 0; i < kSampling.fine; ++i) {
             const size_t at = sample_of(tile, lane, i);
             reference::psi_sample_adjoint(psi, row_a, row_b, glm::dvec3(points_[at]), directions_[ray_of_sample(at)],
                                           by_sample[i].sigma, by_sample[i].colour, sum, revival);
@@ -178,21 +178,21 @@ struct PsiGroup {
 
 std::vector<PsiGroup> groups_of(const training::PsiShape& shape, PsiChain& chain) {
     std::vector<PsiGroup> groups;
-    for (uint32_t layer = 0; layer < shape.layers; layer++) {
+    for (uint32_t layer = 0; layer < shape.layers; ++layer) {
         const uint32_t first = psi_layer_offset(layer, shape.inputs(), shape.width);
         reference::PsiLayer& truth = chain.psi.hidden[layer];
         PsiGroup weights{"weights of layer " + std::to_string(layer), {}},
             bias{"bias of layer " + std::to_string(layer), {}};
         const auto inputs = static_cast<uint32_t>(truth.inputs);
-        for (uint32_t i = 0; i < inputs * shape.width; i++) weights.numbers.emplace_back(first + i, &truth.numbers[i]);
-        for (uint32_t o = 0; o < shape.width; o++)
+        for (uint32_t i = 0; i < inputs * shape.width; ++i) weights.numbers.emplace_back(first + i, &truth.numbers[i]);
+        for (uint32_t o = 0; o < shape.width; ++o)
             bias.numbers.emplace_back(psi_layer_offset(layer + 1, shape.inputs(), shape.width) - shape.width + o,
                                       &truth.numbers[inputs * shape.width + o]);
         groups.push_back(weights);
         groups.push_back(bias);
     }
     PsiGroup sigma{"output w sigma", {}}, gamma{"output w gamma", {}}, hh{"output w HH", {}}, bias{"output bias", {}};
-    for (uint32_t i = 0; i < (shape.width + 1) * shape.outputs(); i++) {
+    for (uint32_t i = 0; i < (shape.width + 1) * shape.outputs(); ++i) {
         const uint32_t column = i % shape.outputs();
         PsiGroup& group = i >= shape.width * shape.outputs() ? bias
                           : column < shape.bases             ? sigma
@@ -224,7 +224,7 @@ double random_at(uint32_t seed, uint32_t ray, uint32_t i) {
 // The distances between which the ray is inside the box, computed independently of the shader.
 std::pair<double, double> box_range(const Scene& scene, const reference::Ray& ray) {
     double enter = 0, leave = 1e9;
-    for (int axis = 0; axis < 3; axis++) {
+    for (int axis = 0; axis < 3; ++axis) {
         const double low = static_cast<double>(scene.tree.box_min[axis]),
                      high = low + static_cast<double>(scene.tree.box_size[axis]);
         const double a = (low - ray.origin[axis]) / ray.direction[axis],
@@ -249,19 +249,19 @@ TEST_F(PsiTest, SamplesStandWhereTheReferencePutsThem) {
     const glm::dvec3 centre(network.centre());
     const auto scale = static_cast<double>(network.scale());
     size_t hits = 0, uneven = 0;
-    for (uint32_t r = 0; r < 2 * kTilePixels; r++) {
+    for (uint32_t r = 0; r < 2 * kTilePixels; ++r) {
         if (scene.target[r].a < 0) continue;
         const reference::Ray ray = ray_of(scene, scene.tiles[r / kTilePixels], r % kTilePixels);
         const auto [enter, leave] = box_range(scene, ray);
         const auto position = [&](double t) { return (ray.origin + t * ray.direction - centre) * scale; };
         const double stride = (leave - enter) / kSampling.coarse;
         std::vector<double> sigmas;
-        for (uint32_t i = 0; i < kSampling.coarse; i++)
+        for (uint32_t i = 0; i < kSampling.coarse; ++i)
             sigmas.push_back(reference::psi_sample(chain.psi, chain.row_a, chain.row_b,
                                                    position(enter + (i + random_at(77, r, i)) * stride), ray.direction)
                                  .sigma);
         const auto edges = reference::importance_edges(sigmas, enter, leave, kSampling.fine, 0.2);
-        for (uint32_t i = 0; i < kSampling.fine; i++) {
+        for (uint32_t i = 0; i < kSampling.fine; ++i) {
             const glm::vec4 found = points[(r / kTilePixels * kSampling.fine + i) * kTilePixels + r % kTilePixels];
             const double length = edges[i + 1] - edges[i];
             const double t = edges[i] + length * random_at(77, r, kSampling.coarse + i);
@@ -289,7 +289,7 @@ TEST_P(PsiShapes, ForwardIsTheReference) {
     const std::vector<glm::vec4> values = step.values();
     double worst_sigma = 0, worst_colour = 0, wrong = 0, whole = 0, largest = 0;
     size_t dense = 0;
-    for (size_t i = 0; i < values.size(); i++) {
+    for (size_t i = 0; i < values.size(); ++i) {
         if (scene.target[i / (kTilePixels * kSampling.fine) * kTilePixels + i % kTilePixels].a < 0) continue;
         const reference::PsiSample truth = chain.sample(i);
         const glm::dvec4 found(values[i]);
@@ -321,7 +321,7 @@ TEST_P(PsiShapes, GradientsAreTheDifferencesOfTheReference) {
     Random random(9);
     for (const PsiGroup& group : groups_of(network.shape, chain)) {
         std::vector<GradientPair> pairs;
-        for (size_t i = 0; i < 12; i++) {
+        for (size_t i = 0; i < 12; ++i) {
             const auto [at, number] = group.numbers[random.below(group.numbers.size())];
             pairs.push_back({static_cast<double>(found[at]), central_difference(*number, chain)});
         }
@@ -351,7 +351,7 @@ TEST_P(PsiShapes, GradientsAreTheAdjointOfTheReference) {
     const reference::PsiGradient truth = chain.gradient(static_cast<double>(settings.revival * network.density));
     const auto compare = [&](const char* name, uint32_t first, const std::vector<double>& numbers, double share) {
         double wrong = 0, whole = 0, largest = 0, worst = 0;
-        for (size_t i = 0; i < numbers.size(); i++) {
+        for (size_t i = 0; i < numbers.size(); ++i) {
             const double off = static_cast<double>(found[first + i]) - share * numbers[i];
             wrong += off * off;
             whole += share * numbers[i] * share * numbers[i];
@@ -366,7 +366,7 @@ TEST_P(PsiShapes, GradientsAreTheAdjointOfTheReference) {
     std::vector<double> first_layer = truth.network.hidden[0].numbers;
     first_layer.insert(first_layer.end() - shape.width, (shape.inputs() - real) * shape.width, 0.0);
     compare("layer 0", 0, first_layer, 1);
-    for (uint32_t layer = 1; layer < shape.layers; layer++)
+    for (uint32_t layer = 1; layer < shape.layers; ++layer)
         compare("hidden layer", psi_layer_offset(layer, shape.inputs(), shape.width),
                 truth.network.hidden[layer].numbers, 1);
     compare("output", shape.output_offset(), truth.network.output.numbers, 1);
@@ -377,7 +377,7 @@ TEST_P(PsiShapes, GradientsAreTheAdjointOfTheReference) {
         compare("B before", shape.gamma_rows_offset() + shape.bases, truth.row_b, 1 - blend);
         compare("B after", shape.gamma_rows_offset() + 2 * shape.bases, truth.row_b, blend);
     }
-    for (uint32_t i = shape.sigma_rows_offset(); i < shape.parameter_count(); i++) {
+    for (uint32_t i = shape.sigma_rows_offset(); i < shape.parameter_count(); ++i) {
         const uint32_t row = (i - shape.sigma_rows_offset()) % (shape.frames * shape.bases) / shape.bases;
         if (row == 1 || row == 2) continue;
         ASSERT_EQ(found[i], 0) << i;
@@ -394,16 +394,16 @@ TEST_F(PsiTest, HiddenLayerAtAnyPlaces) {
     training::PsiStep step(device(), network, kSampling, 2, 1);  // too small for all positions at once
     std::vector<glm::vec3> positions;
     Random random(3);
-    for (size_t i = 0; i < 1000; i++)
+    for (size_t i = 0; i < 1000; ++i)
         positions.push_back(network.box_min +
                             network.box_size * glm::vec3(random.uniform(), random.uniform(), random.uniform()));
     const std::vector<float> found = step.hidden_at(positions);
     const reference::Psi psi = reference_of(network);
     double worst = 0, largest = 0;
-    for (size_t i = 0; i < positions.size(); i++) {
+    for (size_t i = 0; i < positions.size(); ++i) {
         const auto truth = reference::psi_hidden(
             psi, glm::dvec3(positions[i] - network.centre()) * static_cast<double>(network.scale()));
-        for (size_t o = 0; o < truth.size(); o++) {
+        for (size_t o = 0; o < truth.size(); ++o) {
             worst = std::max(worst, std::abs(truth[o] - static_cast<double>(found[i * truth.size() + o])));
             largest = std::max(largest, truth[o]);
         }
@@ -424,7 +424,7 @@ TEST_F(PsiTest, TheSameBatchGivesTheSameBits) {
     };
     const std::vector<float> once = gradients();
     EXPECT_EQ(gradients(), once);
-    settings.seed++;
+    ++settings.seed;
     EXPECT_NE(gradients(), once);
 }
 
@@ -442,7 +442,7 @@ TEST_F(PsiTest, AdamMovesWhatIsLearnt) {
     step.wait();
     const std::vector<float> gradients = step.gradients(), after = step.network().parameters;
     size_t moved = 0;
-    for (uint32_t i = 0; i < shape.parameter_count(); i++) {
+    for (uint32_t i = 0; i < shape.parameter_count(); ++i) {
         if (i >= shape.head_offset() && i < shape.output_offset()) continue;
         const double rate = static_cast<double>(i < shape.sigma_rows_offset() ? settings.rate : settings.rows_rate);
         reference::AdamElement truth{before.parameters[i], 0, 0};
@@ -458,7 +458,7 @@ TEST_F(PsiTest, AdamMovesWhatIsLearnt) {
 // Targets are a ramp of colours, opaque where rays are in the box for at least half a metre: the fog becomes matter.
 TEST_F(PsiTest, LearnsAFixedBatch) {
     Scene scene = psi_scene(48, 1);
-    for (uint32_t i = 0; i < scene.target.size(); i++) {
+    for (uint32_t i = 0; i < scene.target.size(); ++i) {
         if (scene.target[i].a < 0) continue;
         const auto x = static_cast<float>(i % kTile) / 8;
         const auto [enter, leave] = box_range(scene, ray_of(scene, scene.tiles[i / kTilePixels], i % kTilePixels));
@@ -474,7 +474,7 @@ TEST_F(PsiTest, LearnsAFixedBatch) {
     settings.rate = 1e-2f;
     settings.rows_rate = 1e-3f;
     double first = 0, last = 0;
-    for (uint32_t i = 1; i <= 150; i++) {
+    for (uint32_t i = 1; i <= 150; ++i) {
         settings.seed = i;
         settings.adam.step = i;
         step.submit(settings);

@@ -27,12 +27,12 @@ Scene with_tiles(Scene scene, size_t from, size_t count, uint64_t seed) {
     scene.target.clear();
     scene.background.clear();
     Random random(seed);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         Tile tile = all[(from + i) % all.size()];
         const double right = random.uniform(-0.5, 0.5), down = random.uniform(-0.5, 0.5);
         tile.jitter = glm::packSnorm2x16(glm::vec2(right, down));
         scene.tiles.push_back(tile);
-        for (uint32_t lane = 0; lane < kTilePixels; lane++) {
+        for (uint32_t lane = 0; lane < kTilePixels; ++lane) {
             const bool inside = tile.x + lane % kTile < kWidth && tile.y + lane / kTile < kHeight;
             const double kind = random.uniform();
             const double alpha = kind < 0.2 ? 0 : kind > 0.8 ? 1 : random.uniform();
@@ -47,8 +47,8 @@ Scene with_tiles(Scene scene, size_t from, size_t count, uint64_t seed) {
 Scene random_scene(const SceneOptions& options) {
     Scene scene;
     scene.tree = random_tree(options.tree);
-    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++)
-        for (uint32_t c = 0; c < scene.tree.bases; c++) scene.tree.leaf(leaf)[c] *= options.density;
+    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; ++leaf)
+        for (uint32_t c = 0; c < scene.tree.bases; ++c) scene.tree.leaf(leaf)[c] *= options.density;
     const glm::dvec3 middle = glm::dvec3(scene.tree.box_min) + 0.5 * glm::dvec3(scene.tree.box_size);
     scene.cameras = {look_at(middle + glm::dvec3(1.9, 1.2, 2.4), middle, kWidth, kHeight, 1.2),
                      look_at(middle + glm::dvec3(-2.3, 0.4, 1.3), middle, kWidth, kHeight, 1.0)};

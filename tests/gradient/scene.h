@@ -45,7 +45,7 @@ reference::Ray ray_of(const Scene& scene, const Tile& tile, uint32_t lane);
 // Writes the scene into the rays() and batch() of a step of any kind.
 template <typename Step>
 void load_scene(const Step& step, const Scene& scene) {
-    for (size_t i = 0; i < scene.cameras.size(); i++)
+    for (size_t i = 0; i < scene.cameras.size(); ++i)
         step.rays().cameras.template as<ShaderCamera>()[i] = render::shader_camera(scene.cameras[i]);
     std::memcpy(step.rays().tiles.mapped, scene.tiles.data(), scene.tiles.size() * sizeof(Tile));
     std::memcpy(step.batch().target.mapped, scene.target.data(), scene.target.size() * sizeof(glm::vec4));

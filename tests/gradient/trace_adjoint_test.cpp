@@ -32,7 +32,7 @@ SlotSums scatter_on(const gpu::Device& device, const Scene& scene, const std::ve
     const render::Slicer slicer(device, field, slice);
     const render::Tracer tracer(device, field, slice, rays);
     const training::TraceAdjoint adjoint(device, field, slice, rays, batch, gradients, atomics);
-    for (size_t i = 0; i < 2; i++) rays.cameras.as<ShaderCamera>()[i] = render::shader_camera(scene.cameras[i]);
+    for (size_t i = 0; i < 2; ++i) rays.cameras.as<ShaderCamera>()[i] = render::shader_camera(scene.cameras[i]);
     std::copy(scene.tiles.begin(), scene.tiles.end(), rays.tiles.as<Tile>());
     gpu::upload(device, batch.target, scene.target.data(), scene.target.size() * sizeof(glm::vec4));
     gpu::upload(device, batch.adjoint, d_rays.data(), d_rays.size() * sizeof(glm::vec4));
@@ -63,7 +63,7 @@ void add_ray(const Scene& scene, const std::vector<reference::LeafSlice>& slices
     const std::vector<reference::Segment> segments = reference::intersect(scene.tree, ray);
     const std::vector<reference::LeafSliceGradient> parts =
         reference::trace_adjoint(scene.tree, slices, ray, glm::dvec3(d_ray), d_ray.a, stop);
-    for (size_t i = 0; i < parts.size(); i++) {
+    for (size_t i = 0; i < parts.size(); ++i) {
         const reference::LeafSliceGradient& part = parts[i];
         std::vector<double>& leaf = sums.gradients[part.leaf];
         leaf[0] += part.sigma;
@@ -71,8 +71,8 @@ void add_ray(const Scene& scene, const std::vector<reference::LeafSlice>& slices
         const double delta = segments[i].t_exit - segments[i].t_enter;
         const double clear = std::exp(-std::min(slices[part.leaf].sigma * delta, 8.0));
         leaf[1] += std::abs(part.sigma) * (1 - clear) / (delta * clear);
-        for (uint32_t j = 0; j < sh_count(scene.tree.hh_degree); j++)
-            for (uint32_t c = 0; c < 3; c++) leaf[2 + 3 * j + c] += part.k[c][j];
+        for (uint32_t j = 0; j < sh_count(scene.tree.hh_degree); ++j)
+            for (uint32_t c = 0; c < 3; ++c) leaf[2 + 3 * j + c] += part.k[c][j];
     }
     double transmittance = 1;
     for (const reference::Segment& segment : segments) {
@@ -89,7 +89,7 @@ LeafSums scatter_by_reference(const Scene& scene, const std::vector<glm::vec4>& 
         reference::slice_tree(scene.tree, static_cast<double>(scene.frame));
     LeafSums sums{std::vector(scene.tree.leaf_count, std::vector<double>(gradient_stride(scene.tree.hh_degree))),
                   std::vector<double>(scene.tree.leaf_count)};
-    for (size_t i = 0; i < d_rays.size(); i++) {
+    for (size_t i = 0; i < d_rays.size(); ++i) {
         const Tile& tile = scene.tiles[i / kTilePixels];
         const size_t x = tile.x + i % kTile, y = tile.y + i % kTilePixels / kTile;
         const stage::Camera& camera = scene.cameras[tile.camera];
@@ -102,12 +102,12 @@ LeafSums scatter_by_reference(const Scene& scene, const std::vector<glm::vec4>& 
 void expect_scatter(const Scene& scene, const SlotSums& found, const LeafSums& truth) {
     const uint32_t stride = gradient_stride(scene.tree.hh_degree);
     std::vector<GradientPair> sigmas, sensitivities, coefficients, max_weights;
-    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; ++leaf) {
         const auto [sigma_bits, slot] = std::pair(found.head[leaf].x, found.head[leaf].y);
         if (std::bit_cast<float>(sigma_bits) == 0 || truth.max_weight[leaf] == 0) continue;
         sigmas.push_back({found.gradients[size_t{slot} * stride], truth.gradients[leaf][0]});
         sensitivities.push_back({found.gradients[size_t{slot} * stride + 1], truth.gradients[leaf][1]});
-        for (uint32_t i = 2; i < stride; i++)
+        for (uint32_t i = 2; i < stride; ++i)
             coefficients.push_back({found.gradients[size_t{slot} * stride + i], truth.gradients[leaf][i]});
         max_weights.push_back({std::bit_cast<float>(found.max_weight[slot]), truth.max_weight[leaf]});
     }
@@ -131,7 +131,7 @@ TEST_P(TraceAdjointTest, ScattersWhatTheReferenceScatters) {
         Random random(9);
         std::vector<glm::vec4> d_rays(scene.target.size(), glm::vec4(0));
         for (glm::vec4& d : d_rays)
-            for (int c = 0; random.below(8) > 0 && c < 4; c++) d[c] = static_cast<float>(random.bell());
+            for (int c = 0; random.below(8) > 0 && c < 4; ++c) d[c] = static_cast<float>(random.bell());
         expect_scatter(scene, scatter_on(device(), scene, d_rays, GetParam()), scatter_by_reference(scene, d_rays));
     }
 }

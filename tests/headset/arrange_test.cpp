@@ -15,7 +15,7 @@ voctree::VOctree floating_tree() {
     std::vector<voctree::LeafPosition> positions;
     std::vector<const float*> from;
     const std::vector<voctree::LeafPosition> of_figure = voctree::leaf_positions(figure);
-    for (uint32_t leaf = 0; leaf < figure.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < figure.leaf_count; ++leaf) {
         voctree::LeafPosition position = of_figure[leaf];
         position.y += kLifted;
         if (position.y >= kFigureSide) continue;
@@ -90,7 +90,7 @@ TEST_F(ArrangeTest, ACopyStandsBesideTheBodyAndNotBesideItsFloaters) {
 TEST_F(ArrangeTest, NoCopyStandsInsideAnother) {
     const auto [low, high] = leaves->box_at(0);
     const double width_m = 1.6 * (high.x - low.x);
-    for (int copy = 0; copy < 4; copy++) {
+    for (int copy = 0; copy < 4; ++copy) {
         state.editor.select(node("ben"));
         headset::duplicate_selected(state);
         show();
@@ -100,7 +100,7 @@ TEST_F(ArrangeTest, NoCopyStandsInsideAnother) {
         at.push_back(performer.world_from_performer[3].x);
     ASSERT_EQ(at.size(), 6u);
     std::sort(at.begin(), at.end());
-    for (size_t i = 1; i < at.size(); i++) EXPECT_GT(at[i] - at[i - 1], 0.94 * width_m) << i;
+    for (size_t i = 1; i < at.size(); ++i) EXPECT_GT(at[i] - at[i - 1], 0.94 * width_m) << i;
 }
 
 TEST_F(ArrangeTest, UndoingACopySelectsWhatWasCopiedAndSaysNoNumbersOfNodes) {

@@ -71,7 +71,7 @@ struct CoachingTest : HandsAtAStage {
         wait_for_begin();
     }
     void wait_for_begin() {
-        for (int i = 0; i < 5000 && !coaching.is_running(); i++) {
+        for (int i = 0; i < 5000 && !coaching.is_running(); ++i) {
             jobs.run_posted();
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
@@ -243,9 +243,9 @@ TEST_F(CoachingPage, EachControlDoesWhatItSays) {
     EXPECT_FALSE(settings.ghost);
     press("arrows");
     EXPECT_FALSE(settings.arrows);
-    for (size_t i = 0; i < motion::kLimbs; i++) {
+    for (size_t i = 0; i < motion::kLimbs; ++i) {
         press(motion::kLimbNames[i]);
-        for (size_t j = 0; j < motion::kLimbs; j++) EXPECT_EQ(settings.compare.counted[j], j > i) << i << " " << j;
+        for (size_t j = 0; j < motion::kLimbs; ++j) EXPECT_EQ(settings.compare.counted[j], j > i) << i << " " << j;
     }
 }
 

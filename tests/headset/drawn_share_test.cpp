@@ -7,7 +7,7 @@ namespace neuvv::headset {
 namespace {
 
 double after(DrawnShare& share, double scale, uint32_t images) {
-    for (uint32_t i = 0; i < images; i++) share.update(scale);
+    for (uint32_t i = 0; i < images; ++i) share.update(scale);
     return share.share();
 }
 
@@ -24,7 +24,7 @@ TEST(DrawnShare, DoesNotFlicker) {
     DrawnShare share;
     after(share, 0.76, DrawnShare::kPatience);
     uint32_t changes = 0;
-    for (uint32_t i = 0; i < 20 * DrawnShare::kPatience; i++) {
+    for (uint32_t i = 0; i < 20 * DrawnShare::kPatience; ++i) {
         const double before = share.share();
         changes += share.update(i % 10 == 0 ? 0.74 : 0.9) != before;
     }

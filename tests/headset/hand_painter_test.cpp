@@ -342,7 +342,7 @@ TEST_F(BrushHandTest, AStrokeCoversItsWayHoweverFewFramesItHas) {
     inputs[xr::kRight].select = 0;
     settle();
     std::vector<glm::dvec3> path;
-    for (int i = 0; i <= 600; i++) path.push_back(head_of_ben + glm::dvec3(-0.3 + 0.001 * i, 0, 0));
+    for (int i = 0; i <= 600; ++i) path.push_back(head_of_ben + glm::dvec3(-0.3 + 0.001 * i, 0, 0));
     EXPECT_EQ(painted(), within(path, state.brush.radius_m));
     EXPECT_EQ(undo_all(), 1u);
 }
@@ -439,7 +439,7 @@ TEST_F(BrushHandTest, AClipInSegmentsIsPaintedInTheOthersToo) {
         // What was not there at the time of the stroke is not painted.
         EXPECT_TRUE(std::includes(near.begin(), near.end(), painted.begin(), painted.end())) << number;
         EXPECT_TRUE(number > 0 || painted == near) << "all of the segment that was seen";
-        number++;
+        ++number;
     }
     EXPECT_EQ(undo_all(), 3u) << "another clip, a stroke, and the same in the other segment";
 }

@@ -31,8 +31,8 @@ TEST_F(HandShapesTest, AHandThatIsSeenItselfHoldsNoController) {
 TEST_F(HandShapesTest, ThereIsAFloorWhereThereIsNoSet) {
     headset::draw_floor(shapes, state);
     EXPECT_TRUE(shapes.translucent().empty()) << "a new stage has one";
-    for (int nodes = 10; nodes > 0 && editor::has_set(*state.stage); nodes--) {
-        for (uint32_t i = 0; i < state.stage->scene.nodes.size(); i++)
+    for (int nodes = 10; nodes > 0 && editor::has_set(*state.stage); --nodes) {
+        for (uint32_t i = 0; i < state.stage->scene.nodes.size(); ++i)
             if (state.stage->scene.nodes[i].draws_mesh()) {
                 ASSERT_TRUE(
                     state.editor.edit([&](edit::Document& document) { return edit::remove_node(document.file, i); }));

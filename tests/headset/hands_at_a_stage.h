@@ -53,7 +53,7 @@ class HandsAtAStage : public testing::Test {
         for (xr::HandInput& input : inputs) input.menu = input.play = input.undo = input.duplicate = false;
     }
     void frames(int count) {
-        for (int i = 0; i < count; i++) frame();
+        for (int i = 0; i < count; ++i) frame();
     }
     // Runs frames until all jobs and strokes have ended.
     void settle() {
@@ -77,7 +77,7 @@ class HandsAtAStage : public testing::Test {
     glm::dvec3 position(const std::string& name) const { return {state.evaluated.pose.world_from_node[node(name)][3]}; }
     size_t undo_all() {  // returns the number of steps
         size_t count = 0;
-        for (; state.editor.history().next_undo(); count++) state.editor.undo();
+        for (; state.editor.history().next_undo(); ++count) state.editor.undo();
         return count;
     }
     bool was_notified(const std::string& part) {

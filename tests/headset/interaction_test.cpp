@@ -14,7 +14,7 @@ struct InteractionTest : HandsAtAStage {
         point(xr::kRight, kRightHand, target);
         inputs[xr::kRight].grab = 1;
         frame();
-        for (int i = 1; i <= 4; i++) {
+        for (int i = 1; i <= 4; ++i) {
             point(xr::kRight, kRightHand + 0.25 * i * kMove, target + 0.25 * i * kMove);
             frame();
         }
@@ -107,7 +107,7 @@ TEST_F(InteractionTest, WhatIsScaledKeepsItsFeetOnTheFloor) {
         inputs[xr::kRight].grab = inputs[xr::kLeft].grab = 1;
         frames(2);
         ASSERT_TRUE(interaction.grab.is_grabbing(xr::kLeft) && interaction.grab.is_grabbing(xr::kRight));
-        for (int i = 1; i <= 8; i++) {
+        for (int i = 1; i <= 8; ++i) {
             const double half = 0.5 * glm::mix(0.5, wider, i / 8.0);
             point(xr::kRight, {0.8 + half, 1.2, -0.3}, {0.8 + half, 0.8, -2});
             point(xr::kLeft, {0.8 - half, 1.2, -0.3}, {0.8 - half, 0.8, -2});
@@ -151,7 +151,7 @@ TEST_F(InteractionTest, WhatIsHeldTurnsAndMovesInSteps) {
     inputs[xr::kRight].grab = 1;
     frame();
     const xr::Pose start = *inputs[xr::kRight].aim;
-    for (int i = 1; i <= 20; i++) {
+    for (int i = 1; i <= 20; ++i) {
         inputs[xr::kRight].aim = xr::Pose{start.position + 0.03 * i * glm::dvec3(1, 0, -0.5),
                                           xr::turn_by(glm::radians(2.0 * i)) * start.rotation};
         frame();
@@ -318,7 +318,7 @@ struct TeleportTest : InteractionTest {
             glm::normalize(glm::dvec3(floor_point.x - kLeftHand.x, 0, floor_point.z - kLeftHand.z));
         const double wanted_m =
             glm::distance(glm::dvec2(floor_point.x, floor_point.z), glm::dvec2(kLeftHand.x, kLeftHand.z));
-        for (int i = 0; i < 60; i++) {
+        for (int i = 0; i < 60; ++i) {
             const double middle = 0.5 * (low + high);
             point(xr::kLeft, kLeftHand, kLeftHand + std::cos(middle) * across + glm::dvec3(0, std::sin(middle), 0));
             const auto arc = xr::teleport_arc(*inputs[xr::kLeft].aim, state.floor_m);
@@ -374,11 +374,11 @@ TEST_F(InteractionTest, SpeedsStepFromOneToTheNextAndStayInTheirRange) {
     };
     push(1);
     EXPECT_EQ(state.clock.speed, 2);
-    for (int i = 0; i < 5; i++) push(1);
+    for (int i = 0; i < 5; ++i) push(1);
     EXPECT_EQ(state.clock.speed, 4);
-    for (int i = 0; i < 5; i++) push(-1);
+    for (int i = 0; i < 5; ++i) push(-1);
     EXPECT_LT(state.clock.speed, 0) << "below the slowest it plays backwards";
-    for (int i = 0; i < 9; i++) push(-1);
+    for (int i = 0; i < 9; ++i) push(-1);
     EXPECT_EQ(state.clock.speed, -2);
 }
 

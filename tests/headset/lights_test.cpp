@@ -121,7 +121,7 @@ TEST_F(HeadsetLights, TheStickPushesWhatIsHeldAndNobodyWalks) {
     draw();
     inputs[xr::kRight].stick = {0, 1};
     const double speed = state.clock.speed;
-    for (int i = 0; i < 18; i++) draw();
+    for (int i = 0; i < 18; ++i) draw();
     inputs[xr::kRight].stick = {0, 0};
     inputs[xr::kRight].grab = 0;
     draw();
@@ -144,7 +144,7 @@ TEST_F(HeadsetLights, SidewaysTheStickChangesTheOpeningInTheSameStep) {
         draw();
         inputs[xr::kRight].stick = {0.5, 0.3};
         const uint64_t id = state.editor.id();
-        for (int i = 0; i < 45; i++) draw();
+        for (int i = 0; i < 45; ++i) draw();
         EXPECT_EQ(state.editor.id(), id) << "a hold alone edits nothing";
         const double wide = before * std::exp2(0.5 * 45 / 90);
         if (is_light)
@@ -177,7 +177,7 @@ TEST_F(HeadsetLights, TheStickOpensNoFurtherThanThePanel) {
     draw();
     for (const auto& [stick, end_deg] : {std::pair{1.0, 120.0}, {-1.0, 10.0}}) {
         inputs[xr::kRight].stick = {stick, 0};
-        for (int i = 0; i < 500; i++) draw();
+        for (int i = 0; i < 500; ++i) draw();
         EXPECT_NEAR(state.evaluated.cameras[0].vertical_angle_rad, glm::radians(end_deg), 1e-9);
     }
 }

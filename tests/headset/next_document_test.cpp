@@ -25,7 +25,7 @@ struct NextDocumentTest : PanelAtAStage {
     }
     // Waits for the job that reads the document.
     void read() {
-        for (int i = 0; i < 5000 && (!jobs.idle() || jobs.has_posted()); i++) {
+        for (int i = 0; i < 5000 && (!jobs.idle() || jobs.has_posted()); ++i) {
             jobs.run_posted();
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
@@ -79,7 +79,7 @@ TEST_F(NextDocumentTest, ItReplacesTheDocumentOnceItIsRead) {
     program.open();
     program.start = headset::StandingPlace{};
     headset::open_other(program.state, program.jobs, other);
-    for (int i = 0; i < 5000 && !program.state.next_document->document; i++) {
+    for (int i = 0; i < 5000 && !program.state.next_document->document; ++i) {
         program.jobs.run_posted();
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }

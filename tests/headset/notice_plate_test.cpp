@@ -48,7 +48,7 @@ TEST(NoticePlate, ItStaysInAViewThatTurnsAndDoesNotTremble) {
     plate.show({"saved", false, 0});
     plate.update(kHead, {}, kFrame_s);
     const glm::dvec3 first = plate.world_from_plate().position;
-    for (int degrees = -5; degrees <= 5; degrees++) {
+    for (int degrees = -5; degrees <= 5; ++degrees) {
         plate.update({kHead.position, xr::turn_by(glm::radians(1.0 * degrees))}, {}, kFrame_s);
         EXPECT_LT(glm::distance(plate.world_from_plate().position, first), 1e-9) << degrees;
     }
@@ -65,7 +65,7 @@ TEST(NoticePlate, AnErrorIsTwoPulsesAndSuccessNone) {
         plate.update(kHead, {}, kFrame_s);
         plate.show({"it is locked", error, 0});
         int count = 0;
-        for (int i = 0; i < 90; i++) {
+        for (int i = 0; i < 90; ++i) {
             plate.update(kHead, {}, kFrame_s);
             count += plate.pulse_begins();
             EXPECT_TRUE(!plate.pulse_begins() || plate.is_pulsing());
@@ -84,7 +84,7 @@ TEST(NoticePlate, AnErrorCanBeReadAndOneInEachFrameDoesNotHum) {
     plate.update(kHead, {}, kFrame_s);
     EXPECT_EQ(plate.lines(), std::vector<std::string>{"the sound has stopped"});
     int pulses = 0;
-    for (int i = 0; i < 90; i++) {
+    for (int i = 0; i < 90; ++i) {
         plate.show({"the sound has stopped", true, 0});
         plate.update(kHead, {}, kFrame_s);
         pulses += plate.pulse_begins();
@@ -102,7 +102,7 @@ TEST(NoticePlate, LongTextsAreWrappedAndCutOff) {
     for (const std::string& line : text) EXPECT_LE(line.size(), size_t{headset::LabelFont::kMaxLetters} + 2);
     std::string endless(500, 'x');
     EXPECT_EQ(headset::plate_lines(endless).size(), 1u);
-    for (int i = 0; i < 9; i++) endless.append(" y").append(100, 'y');
+    for (int i = 0; i < 9; ++i) endless.append(" y").append(100, 'y');
     EXPECT_EQ(headset::plate_lines(endless).size(), NoticePlate::kLines);
     EXPECT_TRUE(headset::plate_lines("").empty());
 }

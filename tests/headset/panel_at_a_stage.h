@@ -54,7 +54,7 @@ class PanelAtAStage : public HandsAtAStage {
     }
     // Draws the panel as often as its layout needs.
     void draw_settled() {
-        for (int i = 0; i < 4; i++) draw();
+        for (int i = 0; i < 4; ++i) draw();
     }
     // Takes a slider in its middle and drags it sideways, by shares of the panel's width.
     void drag(const std::string& item, std::initializer_list<double> to) {

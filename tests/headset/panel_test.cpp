@@ -199,7 +199,7 @@ TEST_F(PanelRows, AKeyboardRenamesWhoIsSelected) {
     press("rename");
     ASSERT_EQ(state.dialogue, PanelDialogue::kKeyboard);
     EXPECT_EQ(state.typed, "ben");
-    for (int i = 0; i < 3; i++) press("key back");
+    for (int i = 0; i < 3; ++i) press("key back");
     for (const char* key : {"key e", "key v", "key a", "key space", "key 2"}) press(key);
     EXPECT_EQ(state.typed, "Eva 2");
     for (const auto& [name, at] : items) EXPECT_TRUE(at.x > 0 && at.x < 1) << name;

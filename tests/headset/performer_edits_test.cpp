@@ -25,7 +25,7 @@ TEST_F(PerformerEdits, LifeSizeKeepsTheFeet) {
     headset::give_life_size(state);
     frame();
     const glm::dmat4 now = state.evaluated.pose.world_from_node[node("ben")];
-    for (int axis = 0; axis < 3; axis++) EXPECT_NEAR(glm::length(glm::dvec3(now[axis])), 1, 1e-9);
+    for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(glm::length(glm::dvec3(now[axis])), 1, 1e-9);
     EXPECT_LT(glm::distance(now * feet, large * feet), 1e-9);
     EXPECT_LT(glm::distance(glm::dvec3(now[2]), glm::dvec3(large[2]) / 2.0), 1e-9) << "it does not turn";
     EXPECT_EQ(undo_all(), 2u);

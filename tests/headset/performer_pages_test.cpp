@@ -48,7 +48,7 @@ TEST_F(PerformerPages, CopiesAreMadeAsThePageSaysInOneStep) {
         press("make copies");
         ASSERT_EQ(state.editor.node_count(), before + count);
         EXPECT_EQ(state.editor.selected(), node("ben"));
-        for (uint32_t copy = 0; copy < count; copy++) {
+        for (uint32_t copy = 0; copy < count; ++copy) {
             const std::string name = "ben " + std::to_string(copy + 2);
             EXPECT_LT(glm::distance(position(name), glm::dvec3(planned[copy].world_from_node[3])), 1e-6) << name;
             const stage::TimeMap map = settings(name).time;

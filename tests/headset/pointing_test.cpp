@@ -24,7 +24,7 @@ struct PointingTest : HandsAtAStage {
         inputs[xr::kLeft].grip.reset();
     }
     uint32_t performer(const std::string& name) const {
-        for (uint32_t i = 0; i < state.stage->performers.size(); i++)
+        for (uint32_t i = 0; i < state.stage->performers.size(); ++i)
             if (state.stage->performers[i].name == name) return i;
         throw std::runtime_error("there is no " + name);
     }

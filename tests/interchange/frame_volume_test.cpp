@@ -38,7 +38,7 @@ void expect_live_leaves(const voctree::VOctree& tree, double frame) {
     const auto truth = reference::slice_tree(tree, frame);
     const auto positions = voctree::leaf_positions(tree);
     size_t live = 0;
-    for (size_t i = 0; i < truth.size(); i++) {
+    for (size_t i = 0; i < truth.size(); ++i) {
         const voctree::LeafPosition& at = positions[i];
         const auto found = leaves.find({voctree::first_cell(at, volume.depth), at.depth});
         const double edge = double{tree.box_size.x + tree.box_size.y + tree.box_size.z} / 3 / (1u << at.depth);
@@ -46,11 +46,11 @@ void expect_live_leaves(const voctree::VOctree& tree, double frame) {
             EXPECT_EQ(found, leaves.end());
             continue;
         }
-        live++;
+        ++live;
         ASSERT_NE(found, leaves.end());
         EXPECT_NEAR(double{found->second.sigma}, truth[i].sigma, 1e-4 * truth[i].sigma);
-        for (size_t c = 0; c < 3; c++)
-            for (size_t k = 0; k < 9; k++) EXPECT_NEAR(double{found->second.colours[c][k]}, truth[i].k[c][k], 1e-4);
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t k = 0; k < 9; ++k) EXPECT_NEAR(double{found->second.colours[c][k]}, truth[i].k[c][k], 1e-4);
         const glm::dvec3 middle = (glm::dvec3(at.x, at.y, at.z) + 0.5) / double(1u << at.depth);
         const glm::dvec3 world = glm::dvec3(tree.box_min) + glm::dvec3(tree.box_size) * middle;
         EXPECT_LT(glm::distance(world, glm::dvec3(volume.centre_m(found->second))), 1e-6);
@@ -75,7 +75,7 @@ TEST(FrameVolume, OfFewerLeavesHidesAsMuch) {
         EXPECT_LE(fewer.leaves.size(), most == 1 ? 8 : most);
         EXPECT_GE(fewer.leaves.size(), most == 1 ? 1 : most - 7) << "no more is merged than has to be";
         EXPECT_NEAR(summed_density(fewer), summed_density(whole), 1e-4 * summed_density(whole));
-        for (size_t i = 1; i < fewer.leaves.size(); i++) EXPECT_LT(fewer.leaves[i - 1].cell, fewer.leaves[i].cell);
+        for (size_t i = 1; i < fewer.leaves.size(); ++i) EXPECT_LT(fewer.leaves[i - 1].cell, fewer.leaves[i].cell);
     }
     EXPECT_EQ(interchange::with_fewer_leaves(whole, count).leaves.size(), count);
 }
@@ -83,7 +83,7 @@ TEST(FrameVolume, OfFewerLeavesHidesAsMuch) {
 // Two groups of eight cells: one of the same leaves, one whose leaves differ.
 TEST(FrameVolume, MergesWhatAgrees) {
     FrameVolume volume;
-    for (uint64_t i = 0; i < 16; i++) {
+    for (uint64_t i = 0; i < 16; ++i) {
         VolumeLeaf leaf{i, 2, 3, {}, 1};
         for (auto& channel : leaf.colours) channel[0] = i < 8 && i % 2 == 0 ? 3.0f : 1.0f;
         volume.leaves.push_back(leaf);

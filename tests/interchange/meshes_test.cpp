@@ -59,7 +59,7 @@ stage::Camera camera_at(double x) {
 }
 
 bool is_inside(const std::array<glm::vec2, 3>& corners, const glm::vec2& p) {
-    for (size_t k = 0; k < 3; k++) {
+    for (size_t k = 0; k < 3; ++k) {
         const glm::vec2 edge = corners[(k + 1) % 3] - corners[k], to = p - corners[k];
         if (!(edge.x * to.y - edge.y * to.x > 0)) return false;
     }
@@ -80,12 +80,12 @@ TEST(Atlas, HasNoOverlapsAndKeepsChartsApart) {
     ASSERT_EQ(mesh->triangles.size(), surface.triangles.size());
     // A chart is what shares vertices.
     std::vector<uint32_t> chart(mesh->positions.size());
-    for (uint32_t i = 0; i < chart.size(); i++) chart[i] = i;
+    for (uint32_t i = 0; i < chart.size(); ++i) chart[i] = i;
     for (bool changed = true; changed;) {
         changed = false;
         for (const glm::uvec3& t : mesh->triangles) {
             const uint32_t least = std::min({chart[t.x], chart[t.y], chart[t.z]});
-            for (int k = 0; k < 3; k++) {
+            for (int k = 0; k < 3; ++k) {
                 changed |= chart[t[k]] != least;
                 chart[t[k]] = least;
             }
@@ -95,31 +95,31 @@ TEST(Atlas, HasNoOverlapsAndKeepsChartsApart) {
     int twice = 0, covered = 0;
     for (const glm::uvec3& t : mesh->triangles) {
         std::array<glm::vec2, 3> corners;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             corners[static_cast<size_t>(k)] = static_cast<float>(kPixels) * mesh->uvs[t[k]];
             EXPECT_TRUE(glm::all(glm::greaterThan(mesh->uvs[t[k]], glm::vec2(0))));
             EXPECT_TRUE(glm::all(glm::lessThan(mesh->uvs[t[k]], glm::vec2(1))));
         }
         const glm::ivec2 low(glm::min(glm::min(corners[0], corners[1]), corners[2]));
         const glm::ivec2 high(glm::max(glm::max(corners[0], corners[1]), corners[2]));
-        for (int y = low.y; y <= high.y; y++)
-            for (int x = low.x; x <= high.x; x++) {
+        for (int y = low.y; y <= high.y; ++y)
+            for (int x = low.x; x <= high.x; ++x) {
                 if (!is_inside(corners, glm::vec2(x, y) + 0.5f)) continue;
                 uint32_t& texel = of_texel[static_cast<size_t>(y * kPixels + x)];
-                if (texel != UINT32_MAX) twice++;
+                if (texel != UINT32_MAX) ++twice;
                 texel = chart[t.x];
-                covered++;
+                ++covered;
             }
     }
     EXPECT_EQ(twice, 0);
     EXPECT_GT(covered, kPixels * kPixels / 4) << "the square is used";
     int close = 0;
-    for (int y = 2; y + 2 < kPixels; y++)
-        for (int x = 2; x + 2 < kPixels; x++)
-            for (int i = 0; i < 25; i++) {
+    for (int y = 2; y + 2 < kPixels; ++y)
+        for (int x = 2; x + 2 < kPixels; ++x)
+            for (int i = 0; i < 25; ++i) {
                 const uint32_t a = of_texel[static_cast<size_t>(y * kPixels + x)];
                 const uint32_t b = of_texel[static_cast<size_t>((y + i / 5 - 2) * kPixels + x + i % 5 - 2)];
-                if (a != UINT32_MAX && b != UINT32_MAX && a != b) close++;
+                if (a != UINT32_MAX && b != UINT32_MAX && a != b) ++close;
             }
     EXPECT_EQ(close, 0) << "two texels lie between charts";
     EXPECT_FALSE(interchange::mapped(surface, 8).has_value());
@@ -131,13 +131,13 @@ TEST(Bake, VerticesHaveTheColoursOfLeaves) {
     const auto colours = interchange::vertex_colours(grid, mesh);
     ASSERT_EQ(colours.size(), mesh.positions.size());
     size_t seen = 0;
-    for (size_t i = 0; i < colours.size(); i++) {
+    for (size_t i = 0; i < colours.size(); ++i) {
         if (std::abs(mesh.positions[i].x - 0.5f) < kCell) continue;
         const bool red = mesh.positions[i].x > 0.5f;
         EXPECT_EQ(colours[i][0], media::srgb_byte_from_linear(red ? 0.8f : 0.05f));
         EXPECT_EQ(colours[i][1], media::srgb_byte_from_linear(red ? 0.05f : 0.6f));
         EXPECT_EQ(colours[i][2], media::srgb_byte_from_linear(0.1f));
-        seen++;
+        ++seen;
     }
     EXPECT_GT(seen, colours.size() * 3 / 4);
 }
@@ -145,7 +145,7 @@ TEST(Bake, VerticesHaveTheColoursOfLeaves) {
 TEST(Bake, TexelsHaveTheColoursOfTheirPoints) {
     const ColouredMesh mesh = textured();
     EXPECT_EQ(mesh.texture.width, kSide);
-    for (size_t i = 0; i < mesh.mesh.positions.size(); i++) {
+    for (size_t i = 0; i < mesh.mesh.positions.size(); ++i) {
         const glm::vec3& p = mesh.mesh.positions[i];
         if (std::abs(p.x - 0.5f) < 3 * kCell) continue;
         const glm::uvec2 texel(mesh.mesh.uvs[i] * static_cast<float>(kSide));
@@ -167,7 +167,7 @@ TEST(MeshImage, ShowsTheBall) {
         EXPECT_EQ(image.rgba[4 * middle + 3], 1);
         EXPECT_TRUE(std::isinf(image.depth_m[0]));
         double covered = 0;
-        for (size_t i = 0; i < image.depth_m.size(); i++) covered += double{image.rgba[4 * i + 3]};
+        for (size_t i = 0; i < image.depth_m.size(); ++i) covered += double{image.rgba[4 * i + 3]};
         const double radius_px = 200 * double{kRadius} / std::sqrt(9 - double{kRadius * kRadius});
         EXPECT_NEAR(covered / (3.14159265 * radius_px * radius_px), 1, 0.04);
     }
@@ -216,7 +216,7 @@ TEST(MeshFiles, GlbIsReadBackWithItsTexture) {
     const stage::GltfPrimitive& primitive = scene.meshes[0].primitives[0];
     EXPECT_EQ(primitive.positions, mesh.mesh.positions);
     ASSERT_EQ(primitive.normals.size(), mesh.mesh.normals.size());
-    for (size_t i = 0; i < primitive.normals.size(); i++)
+    for (size_t i = 0; i < primitive.normals.size(); ++i)
         EXPECT_LT(glm::distance(primitive.normals[i], mesh.mesh.normals[i]), 1e-6f);
     EXPECT_EQ(primitive.uvs, mesh.mesh.uvs);
     ASSERT_EQ(primitive.indices.size(), 3 * mesh.mesh.triangles.size());
@@ -248,7 +248,7 @@ TEST(MeshFiles, ObjIsReadBack) {
         if (word == "vn" && in >> v.x >> v.y >> v.z) normals.push_back(v);
         if (word == "vt" && in >> v.x >> v.y) uvs.emplace_back(v.x, v.y);
         glm::uvec3 t(0);
-        for (int k = 0; word == "f" && k < 3; k++) {
+        for (int k = 0; word == "f" && k < 3; ++k) {
             uint32_t uv = 0, normal = 0;
             char slash = 0;
             in >> t[k] >> slash >> uv >> slash >> normal;
@@ -263,7 +263,7 @@ TEST(MeshFiles, ObjIsReadBack) {
     ASSERT_EQ(positions.size(), mesh.mesh.positions.size());
     ASSERT_EQ(uvs.size(), positions.size());
     ASSERT_EQ(normals.size(), positions.size());
-    for (size_t i = 0; i < positions.size(); i++) {
+    for (size_t i = 0; i < positions.size(); ++i) {
         EXPECT_LT(glm::distance(positions[i], mesh.mesh.positions[i]), 1e-6f);
         EXPECT_LT(glm::distance(normals[i], mesh.mesh.normals[i]), 1e-3f);
         EXPECT_LT(glm::distance(uvs[i], glm::vec2(mesh.mesh.uvs[i].x, 1 - mesh.mesh.uvs[i].y)), 1e-5f);
@@ -315,13 +315,13 @@ TEST(MeshFiles, PlyIsReadBack) {
         EXPECT_NE(text.find(part + "\n"), std::string::npos) << part;
     const size_t data = text.find("end_header\n") + 11;
     ASSERT_EQ(bytes.size(), data + 27 * count + 13 * faces);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         glm::vec3 position;
         std::memcpy(&position, &bytes[data + 27 * i], sizeof position);
         EXPECT_EQ(position, mesh.mesh.positions[i]);
         EXPECT_EQ(std::memcmp(&bytes[data + 27 * i + 24], mesh.colours[i].data(), 3), 0);
     }
-    for (size_t i = 0; i < faces; i++) {
+    for (size_t i = 0; i < faces; ++i) {
         const uint8_t* face = &bytes[data + 27 * count + 13 * i];
         EXPECT_EQ(face[0], 3);
         EXPECT_EQ(std::memcmp(face + 1, &mesh.mesh.triangles[i], 12), 0);

@@ -167,7 +167,7 @@ TEST_F(PlenoctreeNpz, HasWhatTheReadersOfSvoxAndVolrendTake) {
     while (bytes.compare(at, 4, "PK\x03\x04") == 0) {
         EXPECT_EQ(number(at + 6, 2) & 8, 0u) << "sizes come behind the data";
         at += 30 + number(at + 26, 2) + number(at + 28, 2) + number(at + 18, 4);
-        arrays++;
+        ++arrays;
     }
     EXPECT_EQ(arrays, npz.names().size());
     EXPECT_EQ(bytes.compare(at, 4, "PK\x01\x02"), 0);

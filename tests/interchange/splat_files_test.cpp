@@ -28,7 +28,7 @@ using nlohmann::json;
 std::vector<Splats> three_frames() {
     const voctree::VOctree tree = random_tree({.leaves = 60, .frames = 3});
     std::vector<Splats> frames;
-    for (uint32_t i = 0; i < 3; i++) {
+    for (uint32_t i = 0; i < 3; ++i) {
         const glm::dquat turned = glm::normalize(glm::dquat(1, 0.2, 0, 0.1));
         frames.push_back(interchange::splats_of(interchange::frame_volume(tree, i), {}, turned));
     }
@@ -81,7 +81,7 @@ TEST(SplatFiles, GltfHasEveryFrame) {
     const GlbReader glb(folder.path / "x.glb");
     EXPECT_EQ(glb.head["extensionsUsed"], json({"KHR_gaussian_splatting"}));
     ASSERT_EQ(glb.head["nodes"].size(), 3u);
-    for (size_t f = 0; f < 3; f++) {
+    for (size_t f = 0; f < 3; ++f) {
         const json& primitive = glb.head["meshes"][glb.head["nodes"][f]["mesh"].get<size_t>()]["primitives"][0];
         EXPECT_EQ(primitive["mode"], 0);
         EXPECT_EQ(primitive["extensions"]["KHR_gaussian_splatting"]["kernel"], "ellipse");
@@ -92,10 +92,10 @@ TEST(SplatFiles, GltfHasEveryFrame) {
         const auto opacities = glb.floats(attributes["KHR_gaussian_splatting:OPACITY"], 1);
         const auto last = glb.floats(attributes["KHR_gaussian_splatting:SH_DEGREE_1_COEF_2"], 3);
         ASSERT_EQ(opacities.size(), frames[f].splats.size());
-        for (size_t i = 0; i < opacities.size(); i++) {
+        for (size_t i = 0; i < opacities.size(); ++i) {
             const interchange::Splat& splat = frames[f].splats[i];
             EXPECT_EQ(opacities[i], splat.opacity);
-            for (size_t c = 0; c < 3; c++) {
+            for (size_t c = 0; c < 3; ++c) {
                 EXPECT_EQ(positions[3 * i + c], splat.centre[static_cast<int>(c)]);
                 EXPECT_EQ(scales[3 * i + c], splat.deviation[static_cast<int>(c)]);
                 EXPECT_EQ(last[3 * i + c], splat.colour[3][static_cast<int>(c)]);
@@ -131,7 +131,7 @@ TEST(SplatFiles, GltfShowsOneFrameAfterTheOther) {
     interchange::write_splat_glb(folder.path / "x.glb", three_frames(), 25);
     const GlbReader glb(folder.path / "x.glb");
     const json& animation = glb.head["animations"][0];
-    for (int shown = 0; shown < 3; shown++)
+    for (int shown = 0; shown < 3; ++shown)
         for (const json& channel : animation["channels"]) {
             const json& sampler = animation["samplers"][channel["sampler"].get<size_t>()];
             EXPECT_EQ(sampler["interpolation"], "STEP");
@@ -139,7 +139,7 @@ TEST(SplatFiles, GltfShowsOneFrameAfterTheOther) {
             const auto times = glb.floats(sampler["input"], 1), scales = glb.floats(sampler["output"], 3);
             ASSERT_EQ(scales.size(), 3 * times.size());
             size_t key = 0;
-            for (size_t i = 0; i < times.size(); i++) {
+            for (size_t i = 0; i < times.size(); ++i) {
                 if (i > 0) {
                     EXPECT_LT(times[i - 1], times[i]);
                 }
@@ -205,7 +205,7 @@ TEST(StandIns, AreAddedToStagesWithoutArrays) {
     const std::vector<Splats> splats = three_frames();
     test::put_clip(folder.path / "anna.nvv");
     std::string more;
-    for (int members = 0; members < 8; members++) {
+    for (int members = 0; members < 8; ++members) {
         const std::string text = R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [
             {"extensions": {"NEUVV_performer": {"uri": "anna.nvv"}}}])" +
                                  more + "}";
@@ -248,18 +248,18 @@ void expect_usd(const std::string& text, const Splats& splats, int time) {
     ASSERT_EQ(opacities.size(), count);
     ASSERT_EQ(colours.size(), 3 * harmonics * count);
     const auto extent = usd_numbers(text, "extent", time);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const interchange::Splat& splat = splats.splats[i];
         EXPECT_NEAR(opacities[i], double{splat.opacity}, 1e-5);
         EXPECT_NEAR(orientations[4 * i], splats.splats[i].rotation.w, 1e-5);
         EXPECT_NEAR(orientations[4 * i + 3], splats.splats[i].rotation.z, 1e-5);
-        for (size_t c = 0; c < 3; c++) {
+        for (size_t c = 0; c < 3; ++c) {
             const int axis = static_cast<int>(c);
             EXPECT_NEAR(positions[3 * i + c], double{splat.centre[axis]}, 1e-5);
             EXPECT_NEAR(scales[3 * i + c], double{splat.deviation[axis]}, 1e-6);
             EXPECT_LE(extent[c], double{splat.centre[axis] - splat.deviation[axis]});
             EXPECT_GE(extent[3 + c], double{splat.centre[axis] + splat.deviation[axis]});
-            for (size_t k = 0; k < harmonics; k++)
+            for (size_t k = 0; k < harmonics; ++k)
                 EXPECT_NEAR(colours[3 * (i * harmonics + k) + c], double{splat.colour[k][axis]}, 1e-5);
         }
     }
@@ -275,7 +275,7 @@ TEST(SplatFiles, UsdHasSamplesOfEveryFrame) {
          {"endTimeCode = 2\n", "timeCodesPerSecond = 25\n", "upAxis = \"Y\"", "elementSize = 4\n",
           "def ParticleField3DGaussianSplat \"Splats\"", "uniform int radiance:sphericalHarmonicsDegree = 1\n"})
         EXPECT_NE(text.find(part), std::string::npos) << part;
-    for (int i = 0; i < 3; i++) expect_usd(text, frames[static_cast<size_t>(i)], i);
+    for (int i = 0; i < 3; ++i) expect_usd(text, frames[static_cast<size_t>(i)], i);
     interchange::write_splat_usda(folder.path / "one.usda", std::span(frames).first(1), 25);
     expect_usd(read_text(folder.path / "one.usda"), frames[0], -1);
 }

@@ -32,16 +32,16 @@ using interchange::VolumeLeaf;
 Splats some_splats(uint32_t degree, size_t count) {
     Random random(7);
     Splats splats{degree, {}};
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         Splat splat;
         splat.centre = 0.4f * glm::vec3(random.bell(), random.bell(), random.bell());
         splat.rotation =
             glm::normalize(glm::quat(static_cast<float>(random.bell()), static_cast<float>(random.bell()),
                                      static_cast<float>(random.bell()), static_cast<float>(random.bell())));
-        for (int a = 0; a < 3; a++) splat.deviation[a] = static_cast<float>(std::exp(-3.5 + 0.7 * random.bell()));
+        for (int a = 0; a < 3; ++a) splat.deviation[a] = static_cast<float>(std::exp(-3.5 + 0.7 * random.bell()));
         splat.opacity = static_cast<float>(random.uniform(0.1, 0.9));
-        for (uint32_t k = 0; k < sh_count(degree); k++)
-            for (int c = 0; c < 3; c++) splat.colour[k][c] = static_cast<float>((k == 0 ? 0.5 : 0.1) * random.bell());
+        for (uint32_t k = 0; k < sh_count(degree); ++k)
+            for (int c = 0; c < 3; ++c) splat.colour[k][c] = static_cast<float>((k == 0 ? 0.5 : 0.1) * random.bell());
         splats.splats.push_back(splat);
     }
     return splats;
@@ -71,13 +71,13 @@ void write_other_ply(const std::filesystem::path& path, const Splats& splats) {
 void expect_same(const Splats& read, const Splats& truth) {
     ASSERT_EQ(read.splats.size(), truth.splats.size());
     EXPECT_EQ(read.degree, truth.degree);
-    for (size_t i = 0; i < read.splats.size(); i++) {
+    for (size_t i = 0; i < read.splats.size(); ++i) {
         const Splat &a = read.splats[i], &b = truth.splats[i];
         EXPECT_LT(glm::distance(a.centre, b.centre), 1e-6f);
         EXPECT_LT(glm::distance(a.deviation, b.deviation), 1e-6f);
         EXPECT_NEAR(std::abs(glm::dot(a.rotation, b.rotation)), 1, 1e-5);
         EXPECT_NEAR(a.opacity, b.opacity, 1e-5);
-        for (uint32_t k = 0; k < kMaxShCount; k++) EXPECT_LT(glm::distance(a.colour[k], b.colour[k]), 1e-6f);
+        for (uint32_t k = 0; k < kMaxShCount; ++k) EXPECT_LT(glm::distance(a.colour[k], b.colour[k]), 1e-6f);
     }
 }
 
@@ -220,7 +220,7 @@ TEST(SplatReader, SurvivesDamagedFiles) {
     }
     fuzz::Random random(1);
     size_t refused = 0, read = 0;
-    for (int i = 0; i < 800; i++) {
+    for (int i = 0; i < 800; ++i) {
         std::ofstream(damaged, std::ios::binary)
             << fuzz::mutate(files[random() % files.size()], files, size_t{1} << 16, random);
         const std::string error = error_of([&] {
@@ -230,7 +230,7 @@ TEST(SplatReader, SurvivesDamagedFiles) {
             const double cell_m = std::max({size.x, size.y, size.z, 1e-3}) / 16;
             const voctree::VOctree tree = interchange::voxelised(splats, box, cell_m, 25, damaged.string(), [] {});
             EXPECT_EQ(voctree::defect_of(tree), "");
-            read++;
+            ++read;
         });
         refused += error.empty() ? 0 : 1;
         EXPECT_EQ(error.find('\n'), std::string::npos) << error;
@@ -258,8 +258,8 @@ TEST(SplatReader, DrawsFilesAsTheDefinitionDoes) {
     const auto truth = reference::draw_splats(reference::read_splats(folder.path / "x.ply"), turned, glm::dvec3(1));
     const media::Image image = interchange::splat_image(splats, camera, glm::vec3(1));
     double sum = 0, coverage = 0;
-    for (size_t i = 0; i < truth.size(); i++)
-        for (int c = 0; c < 3; c++) {
+    for (size_t i = 0; i < truth.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
             const double shown = image.rgba[4 * i + static_cast<size_t>(c)] / 255.0;
             EXPECT_NEAR(shown, truth[i][c], 0.02);
             sum += std::abs(shown - truth[i][c]);
@@ -323,7 +323,7 @@ TEST(SplatBox, KeepsAllThatBelongsTogether) {
 // A tenth of all splats is no floater, but cells are larger by it: that is said.
 TEST(SplatBox, TellsWhereMostSplatsAre) {
     Splats splats = cloud(400, {});
-    for (size_t i = 0; i < 32; i++) splats.splats[i].centre.x += i % 2 == 0 ? 40.0f : -40.0f;
+    for (size_t i = 0; i < 32; ++i) splats.splats[i].centre.x += i % 2 == 0 ? 40.0f : -40.0f;
     const interchange::MainBox main = interchange::main_box_of(splats);
     EXPECT_EQ(main.beyond, 0u);
     EXPECT_GT(main.box.longest_m(), 60);
@@ -363,7 +363,7 @@ double depth_along(const FrameVolume& volume, int axis, const glm::dvec3& throug
     for (const VolumeLeaf& leaf : volume.leaves) {
         const glm::dvec3 offset = glm::abs(through - glm::dvec3(volume.centre_m(leaf)));
         bool crosses = true;
-        for (int a = 0; a < 3; a++) crosses &= a == axis || offset[a] <= 0.5 * double{volume.edges_m(leaf)[a]};
+        for (int a = 0; a < 3; ++a) crosses &= a == axis || offset[a] <= 0.5 * double{volume.edges_m(leaf)[a]};
         if (crosses) sum += double{leaf.sigma} * double{volume.edges_m(leaf)[axis]};
     }
     return sum;
@@ -377,7 +377,7 @@ TEST(Voxelise, DimsRaysAsASplatDoes) {
             interchange::voxelised(splats, {glm::dvec3(-1), glm::dvec3(1)}, 0.02, 25, "x", [] {});
         const FrameVolume volume = interchange::frame_volume(tree, 0);
         for (const double distance : {0.0, 0.05, 0.1, 0.15, 0.2})
-            for (int axis = 0; axis < 3; axis++) {
+            for (int axis = 0; axis < 3; ++axis) {
                 glm::dvec3 through(splats.splats[0].centre);
                 through[(axis + 1) % 3] += distance;
                 through = 0.04 * (glm::floor(through / 0.04) + 0.5);  // the middle of a cell
@@ -411,7 +411,7 @@ TEST(Voxelise, HasTheColoursOfSplats) {
         interchange::voxelised(splats, {glm::dvec3(-1), glm::dvec3(1)}, 0.05, 25, "x", [] {}), 0);
     ASSERT_GT(volume.leaves.size(), 20u);
     for (const VolumeLeaf& leaf : volume.leaves)
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; ++c) {
             const double srgb = 0.5 + 0.28209479 * double{splats.splats[0].colour[0][c]};
             const double linear = 1 / (1 + std::exp(-0.28209479 * double{leaf.colours[static_cast<size_t>(c)][0]}));
             EXPECT_NEAR(linear, media::linear_from_srgb(srgb), 0.002);
@@ -432,7 +432,7 @@ TEST(Voxelise, ChoosesCellsBySplatsAndKeepsToTheBox) {
     for (const VolumeLeaf& leaf : volume.leaves) {
         least = std::min(least, volume.edge_m(leaf));
         most = std::max(most, volume.edge_m(leaf));
-        for (int a = 0; a < 3; a++) EXPECT_LT(std::abs(volume.centre_m(leaf)[a]), 2);
+        for (int a = 0; a < 3; ++a) EXPECT_LT(std::abs(volume.centre_m(leaf)[a]), 2);
     }
     EXPECT_NEAR(least, 0.01, 1e-6);
     EXPECT_GT(most, 0.1f);

@@ -36,8 +36,8 @@ glm::dvec3 direction(Random& random) {
 glm::dvec3 shown_by_splat(const Splats& splats, size_t i, const glm::dvec3& d) {
     const std::vector<double> basis = reference::sh_basis(splats.degree, d);
     glm::dvec3 sum(0.5);
-    for (int l = 0; l <= static_cast<int>(splats.degree); l++)
-        for (int m = -l; m <= l; m++) {
+    for (int l = 0; l <= static_cast<int>(splats.degree); ++l)
+        for (int m = -l; m <= l; ++m) {
             const uint32_t k = reference::sh_index(l, m);
             sum += (m % 2 == 0 ? 1 : -1) * basis[k] * glm::dvec3(splats.splats[i].colour[k]);
         }
@@ -47,9 +47,9 @@ glm::dvec3 shown_by_splat(const Splats& splats, size_t i, const glm::dvec3& d) {
 glm::dvec3 shown_by_leaf(const FrameVolume& volume, size_t i, const glm::dvec3& d) {
     const std::vector<double> basis = reference::sh_basis(volume.degree, d);
     glm::dvec3 shown;
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; ++c) {
         double logit = 0;
-        for (size_t k = 0; k < basis.size(); k++)
+        for (size_t k = 0; k < basis.size(); ++k)
             logit += basis[k] * double{volume.leaves[i].colours[static_cast<size_t>(c)][k]};
         shown[c] = media::srgb_from_linear(1 / (1 + std::exp(-logit)));
     }
@@ -88,10 +88,10 @@ TEST(Splats, HaveTheColoursOfLeaves) {
         ASSERT_EQ(splats.splats.size(), volume.leaves.size());
         Random random(3);
         double worst = 0, sum = 0;
-        for (size_t i = 0; i < splats.splats.size(); i++) {
+        for (size_t i = 0; i < splats.splats.size(); ++i) {
             const glm::dvec3 d = direction(random);
             const glm::dvec3 difference = glm::abs(shown_by_splat(splats, i, d) - shown_by_leaf(volume, i, d));
-            for (int c = 0; c < 3; c++) {
+            for (int c = 0; c < 3; ++c) {
                 worst = std::max(worst, difference[c]);
                 sum += difference[c];
             }
@@ -111,7 +111,7 @@ TEST(Splats, AreTurnedWithTheirColours) {
     const glm::dquat turned = glm::normalize(glm::dquat(0.3, -0.5, 0.7, 0.2));
     const Splats here = interchange::splats_of(volume, {}), there = interchange::splats_of(volume, {}, turned);
     Random random(5);
-    for (size_t i = 0; i < here.splats.size(); i++) {
+    for (size_t i = 0; i < here.splats.size(); ++i) {
         const glm::dvec3 centre = turned * glm::dvec3(here.splats[i].centre);
         EXPECT_LT(glm::distance(centre, glm::dvec3(there.splats[i].centre)), 1e-5);
         EXPECT_LT(glm::distance(here.splats[i].deviation, there.splats[i].deviation), 1e-6f);
@@ -135,8 +135,8 @@ TEST(Splats, LookAsTheirFileDoesByTheDefinition) {
     const media::Image image =
         interchange::splat_image(interchange::splats_of(volume, shape), some_camera(), glm::vec3(1));
     double sum = 0, coverage = 0;
-    for (size_t i = 0; i < truth.size(); i++)
-        for (int c = 0; c < 3; c++) {
+    for (size_t i = 0; i < truth.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
             const double shown = image.rgba[4 * i + static_cast<size_t>(c)] / 255.0;
             EXPECT_NEAR(shown, truth[i][c], 0.03);
             sum += std::abs(shown - truth[i][c]);
@@ -150,9 +150,9 @@ TEST(Splats, LookAsTheirFileDoesByTheDefinition) {
 TEST(Splats, SayWhichLeavesAreShown) {
     FrameVolume volume;
     volume.depth = 4;
-    for (uint32_t z = 6; z < 10; z++)
-        for (uint32_t y = 6; y < 10; y++)
-            for (uint32_t x = 6; x < 10; x++)
+    for (uint32_t z = 6; z < 10; ++z)
+        for (uint32_t y = 6; y < 10; ++y)
+            for (uint32_t x = 6; x < 10; ++x)
                 volume.leaves.push_back({voctree::first_cell({x, y, z, 4}, 4), 4, 400, {}, 1});
     interchange::measure_shown(volume);
     double outer = 0, inner = 0;
@@ -245,8 +245,8 @@ TEST(Splats, FittedToCloseUpsHideWhatIsBehindThem) {
     FrameVolume volume;
     volume.depth = kDepth;
     for (const uint32_t z : {40u, 41u, 64u, 65u})
-        for (uint32_t y = kBegin; y < kEnd; y++)
-            for (uint32_t x = kBegin; x < kEnd; x++) {
+        for (uint32_t y = kBegin; y < kEnd; ++y)
+            for (uint32_t x = kBegin; x < kEnd; ++x) {
                 const float red = z >= 64 ? 20 : -20;  // a logit by the constant harmonic
                 volume.leaves.push_back(
                     {voctree::first_cell({x, y, z, kDepth}, kDepth), kDepth, 2 << kDepth, {{{red}, {-20}, {-red}}}, 1});
@@ -260,8 +260,8 @@ TEST(Splats, FittedToCloseUpsHideWhatIsBehindThem) {
     // Red where a ray meets the first wall: x and y between a quarter and three quarters, 66/128 before the origin.
     const auto seen = [](const stage::Camera& camera) {
         media::Image image(camera.width, camera.height);
-        for (uint32_t y = 0; y < camera.height; y++)
-            for (uint32_t x = 0; x < camera.width; x++) {
+        for (uint32_t y = 0; y < camera.height; ++y)
+            for (uint32_t x = 0; x < camera.width; ++x) {
                 const double away = 3.5 - 66.0 / 128;
                 const double at_x = 0.5 + away * (x + 0.5 - camera.cx) / camera.fx;
                 const double at_y = 0.5 - away * (y + 0.5 - camera.cy) / camera.fy;

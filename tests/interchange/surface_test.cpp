@@ -39,7 +39,7 @@ TEST(Surface, OfABallIsABall) {
     EXPECT_NEAR(std::cbrt(enclosed_m3(mesh) / ball_m3(0.3)), 1, 0.01);
     EXPECT_NEAR(std::cbrt(enclosed_m3(mesh) * 32768 / static_cast<double>(volume.leaves.size())), 1, 0.01);
     const std::vector<glm::vec3> normals = interchange::normals_of(mesh);
-    for (size_t i = 0; i < normals.size(); i++) {
+    for (size_t i = 0; i < normals.size(); ++i) {
         EXPECT_NEAR(glm::distance(mesh.positions[i], kMiddle), 0.3f, 1.0f / 32);
         EXPECT_GT(glm::dot(normals[i], glm::normalize(mesh.positions[i] - kMiddle)), 0.8f);
     }
@@ -55,7 +55,7 @@ TEST(Surface, OfACubeIsACube) {
     size_t flat = 0;
     for (const glm::vec3& p : mesh.positions) {
         EXPECT_TRUE(glm::all(glm::greaterThan(p, glm::vec3(0.245f))) && glm::all(glm::lessThan(p, glm::vec3(0.755f))));
-        if (std::abs(p.y - 0.75f) < 1e-4f) flat++;  // what smoothing of the edges does not reach
+        if (std::abs(p.y - 0.75f) < 1e-4f) ++flat;  // what smoothing of the edges does not reach
     }
     EXPECT_GE(flat, 9u * 9) << "the faces are where the leaves end";
 }
@@ -113,7 +113,7 @@ TEST(Surface, HasNoCavities) {
 // Cells that meet in edges and corners alone.
 TEST(Surface, IsAManifoldWhateverCellsThereAre) {
     Random random(5);
-    for (int i = 0; i < 20; i++) {
+    for (int i = 0; i < 20; ++i) {
         const double share = 0.02 + 0.03 * i;
         expect_closed(surface_of(volume_of(3, kOpaque, [&](const glm::vec3&) { return random.uniform() < share; })));
     }

@@ -28,7 +28,7 @@ typename Grid::Ptr random_grid(const char* name, uint64_t seed, const Make& make
     auto grid = Grid::create();
     grid->setName(name);
     Random random(seed);
-    for (int i = 0; i < 3000; i++) {
+    for (int i = 0; i < 3000; ++i) {
         const auto coordinate = [&] { return static_cast<int>(random.below(200)) - 100; };
         const openvdb::Coord at(coordinate(), coordinate(), coordinate());
         if (i % 3 == 0)
@@ -75,7 +75,7 @@ void expect_same(const Grid& truth, const VdbGrid& grid, double tolerance) {
             ASSERT_TRUE(found);
             const Value expected = *value;
             if constexpr (openvdb::VecTraits<Value>::IsVec) {
-                for (int c = 0; c < 3; c++) EXPECT_NEAR(double{found[c]}, static_cast<double>(expected[c]), tolerance);
+                for (int c = 0; c < 3; ++c) EXPECT_NEAR(double{found[c]}, static_cast<double>(expected[c]), tolerance);
             } else {
                 EXPECT_NEAR(double{found[0]}, static_cast<double>(expected), tolerance);
             }
@@ -83,7 +83,7 @@ void expect_same(const Grid& truth, const VdbGrid& grid, double tolerance) {
     }
     const openvdb::Coord off(408, 0, 0);
     EXPECT_FALSE(lookup.at({off.x(), off.y(), off.z()}));
-    for (int i = 0; i < 10; i++) {
+    for (int i = 0; i < 10; ++i) {
         const glm::dvec3 index(i * i, 3 - i, 5 * i);
         const openvdb::Vec3d world = truth.indexToWorld(openvdb::Vec3d(index.x, index.y, index.z));
         const glm::dvec3 ours(grid.world_from_index * glm::dvec4(index, 1));
@@ -191,7 +191,7 @@ TEST(VdbReader, ReadsBoolsAndMasks) {
         masks->setName("matte");
         Random random(compression);
         uint64_t voxels = 512;
-        for (int i = 0; i < 2000; i++) {
+        for (int i = 0; i < 2000; ++i) {
             const Coord at(static_cast<int>(random.below(60)), static_cast<int>(random.below(60)), i);
             bools->tree().setValue(at, i % 3 != 0);
             if (i % 7 == 0) bools->tree().setValueOff(at, true);
@@ -304,7 +304,7 @@ TEST(VdbReader, RefusesDamagedFiles) {
     }
     fuzz::Random random(1);
     size_t refused = 0, read = 0;
-    for (int i = 0; i < 1500; i++) {
+    for (int i = 0; i < 1500; ++i) {
         const std::string& sound = files[random() % files.size()];
         const std::string bytes =
             i < 300 ? sound.substr(0, random() % sound.size()) : fuzz::mutate(sound, files, size_t{1} << 20, random);
@@ -316,10 +316,10 @@ TEST(VdbReader, RefusesDamagedFiles) {
             const voctree::VOctree tree =
                 interchange::tree_of(volume, interchange::doublings_for(volume, 64).value_or(0), 25);
             EXPECT_EQ(voctree::defect_of(tree), "");
-            read++;
+            ++read;
         });
         if (error.empty()) continue;
-        refused++;
+        ++refused;
         EXPECT_TRUE(error.starts_with(damaged.string()) && error.find('\n') == std::string::npos) << error;
     }
     EXPECT_GT(refused, 500u);
@@ -358,7 +358,7 @@ typename Grid::Ptr row_of(const char* name, int voxels, const typename Grid::Val
     const auto grid = Grid::create();
     grid->setName(name);
     grid->setGridClass(grid_class);
-    for (int i = 0; i < voxels; i++) grid->tree().setValue({i, 0, 0}, value);
+    for (int i = 0; i < voxels; ++i) grid->tree().setValue({i, 0, 0}, value);
     return grid;
 }
 
@@ -439,7 +439,7 @@ TEST(VdbVolume, DimsAndColoursItsImage) {
         interchange::vdb_image(volume, look_at({-0.05, -0.05, 40}, {-0.05, -0.05, 0}, 33, 33, 4), [] {});
     const double left = std::exp(-1.5);  // along one unit
     const double shown[] = {0.8 * (1 - left) + left, 0.2 * (1 - left) + left, left};
-    for (uint32_t c = 0; c < 3; c++) {
+    for (uint32_t c = 0; c < 3; ++c) {
         EXPECT_NEAR(image.at(16, 16)[c], 255 * media::srgb_from_linear(shown[c]), 1.5);
         EXPECT_EQ(image.at(1, 1)[c], 255);
     }

@@ -72,15 +72,15 @@ const VolumeLeaf* leaf_at(const FrameVolume& volume, const glm::dvec3& world) {
 glm::dvec3 mean_colour(const FrameVolume& volume, const VolumeLeaf& leaf) {
     glm::dvec3 sum(0);
     double weights = 0;
-    for (int i = 0; i < 24; i++)
-        for (int j = 0; j < 48; j++) {
+    for (int i = 0; i < 24; ++i)
+        for (int j = 0; j < 48; ++j) {
             const double polar = (i + 0.5) / 24 * std::numbers::pi, around = j / 24.0 * std::numbers::pi;
             const glm::dvec3 d(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar));
             const std::vector<double> basis = reference::sh_basis(volume.degree, d);
             weights += std::sin(polar);
-            for (int c = 0; c < 3; c++) {
+            for (int c = 0; c < 3; ++c) {
                 double logit = 0;
-                for (size_t k = 0; k < basis.size(); k++)
+                for (size_t k = 0; k < basis.size(); ++k)
                     logit += basis[k] * double{leaf.colours[static_cast<size_t>(c)][k]};
                 sum[c] += std::sin(polar) / (1 + std::exp(-logit));
             }
@@ -112,16 +112,16 @@ TEST(VdbWriter, HasTheLeavesOfTheFrame) {
     EXPECT_GT(density->tree().activeTileCount(), 0u) << "a leaf of 8 × 8 × 8 voxels is a tile";
     Random random(5);
     int inside = 0;
-    for (int i = 0; i < 2000; i++) {
+    for (int i = 0; i < 2000; ++i) {
         const glm::dvec3 world = point_in(tree, random);
         const VolumeLeaf* leaf = leaf_at(volume, world);
         EXPECT_NEAR(double{value_at(*density, world)}, leaf ? double{leaf->sigma} : 0.0, leaf ? 1e-3 * leaf->sigma : 0);
         if (!leaf) continue;
-        inside++;
+        ++inside;
         const openvdb::Vec3s shown = value_at(*colour, world);
         if (inside % 20 != 0) continue;
         const glm::dvec3 mean = mean_colour(volume, *leaf);
-        for (int c = 0; c < 3; c++) EXPECT_NEAR(double{shown[c]}, mean[c], 0.01);
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(double{shown[c]}, mean[c], 0.01);
     }
     EXPECT_GT(inside, 300);
 }
@@ -139,7 +139,7 @@ TEST(VdbWriter, MayBeTurnedAndMoved) {
     ASSERT_TRUE(density);
     Random random(5);
     int inside = 0;
-    for (int i = 0; i < 500; i++) {
+    for (int i = 0; i < 500; ++i) {
         const glm::dvec3 at = point_in(tree, random);
         const VolumeLeaf* leaf = leaf_at(volume, at);
         const double sigma = leaf ? double{leaf->sigma} : 0;
@@ -163,18 +163,18 @@ TEST(VdbWriter, DimsRaysAsTheClipDoes) {
     const auto positions = voctree::leaf_positions(tree);
     Random random(9);
     double most = 0;
-    for (int ray = 0; ray < 20; ray++) {
+    for (int ray = 0; ray < 20; ++ray) {
         const glm::dvec3 from = point_in(tree, random), to = point_in(tree, random);
         double truth = 0, walked = 0;
         constexpr int kSteps = 20000;
         const double step = glm::distance(from, to) / kSteps;
-        for (int i = 0; i < kSteps; i++)
+        for (int i = 0; i < kSteps; ++i)
             walked += step * double{value_at(*density, glm::mix(from, to, (i + 0.5) / kSteps))};
-        for (size_t i = 0; i < positions.size(); i++) {
+        for (size_t i = 0; i < positions.size(); ++i) {
             const double edge = std::exp2(-double(positions[i].depth));
             if (1 - std::exp(-slice[i].sigma * 2 * edge) < 0.001) continue;  // too faint to be exported
             double near = 0, far = 1;
-            for (int a = 0; a < 3; a++) {
+            for (int a = 0; a < 3; ++a) {
                 const double low =
                     double{tree.box_min[a]} + 2 * edge * glm::uvec3(positions[i].x, positions[i].y, positions[i].z)[a];
                 const double x = (low - from[a]) / (to[a] - from[a]),
@@ -196,7 +196,7 @@ FrameVolume ball() {
     volume.box_size = glm::vec3(2);
     volume.box_min = glm::vec3(-1);
     volume.depth = 6;
-    for (uint64_t cell = 0; cell < uint64_t{1} << 18; cell++) {
+    for (uint64_t cell = 0; cell < uint64_t{1} << 18; ++cell) {
         VolumeLeaf leaf{cell, 6, 500, {}, 1};
         if (glm::length(volume.centre_m(leaf)) < 0.6f) volume.leaves.push_back(leaf);
     }
@@ -212,7 +212,7 @@ TEST(VdbWriter, HasALevelSetWhereItIsAskedFor) {
     const double voxel = surface->voxelSize()[0];
     EXPECT_NEAR(double{surface->background()}, 3 * voxel, 1e-6);
     size_t near = 0;
-    for (auto value = surface->cbeginValueOn(); value; ++value, near++) {
+    for (auto value = surface->cbeginValueOn(); value; ++value, ++near) {
         const double radius = surface->indexToWorld(value.getCoord()).length();
         EXPECT_NEAR(double{*value}, radius - 0.6, 0.8 * voxel);
     }
@@ -237,7 +237,7 @@ TEST(VdbWriter, GoesOnWithColoursAroundTheDensity) {
     const auto density = file.grid<openvdb::FloatGrid>("density");
     const auto colour = file.grid<openvdb::Vec3SGrid>("Cd");
     for (auto value = density->cbeginValueOn(); value; ++value)
-        for (int i = 0; i < 27; i++) {
+        for (int i = 0; i < 27; ++i) {
             const openvdb::Coord at = value.getCoord().offsetBy(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
             const openvdb::Vec3s shown = colour->getConstAccessor().getValue(at);
             ASSERT_NEAR(shown[0], 1, 0.01);
@@ -259,7 +259,7 @@ TEST(VdbVolume, ComesBackAsItWas) {
         EXPECT_EQ(interchange::doublings_for(read, 16), 0u);
         const FrameVolume back = interchange::frame_volume(interchange::tree_of(read, 0, 25), 0);
         Random random(5);
-        for (int i = 0; i < 2000; i++) {
+        for (int i = 0; i < 2000; ++i) {
             const glm::dvec3 point = point_in(tree, random);
             const VolumeLeaf* truth = leaf_at(volume, point);
             const VolumeLeaf* found = leaf_at(back, glm::dvec3(world_from_file * glm::dvec4(point, 1)));
@@ -267,7 +267,7 @@ TEST(VdbVolume, ComesBackAsItWas) {
             ASSERT_TRUE(found);
             EXPECT_NEAR(found->sigma * scale, double{truth->sigma}, 1e-3 * truth->sigma);
             const glm::dvec3 shown = mean_colour(volume, *truth);
-            for (int c = 0; c < 3 && i % 20 == 0; c++)
+            for (int c = 0; c < 3 && i % 20 == 0; ++c)
                 EXPECT_NEAR(mean_colour(back, *found)[c], std::clamp(shown[c], 0.002, 0.998), 0.01);
         }
     }

@@ -28,7 +28,7 @@ TEST(Cryptomatte, IdentifiersAreMurmurHashes) {
     EXPECT_NEAR(media::id_of_name("bunny") * 1e27, 3.36000126251, 1e-6);
     EXPECT_NEAR(media::id_of_name("/GAFFERBOT/C_torso_GRP/C_head_GRP/C_head_CPT/C_head001_REN") * 1e-36,
                 -2.5222249091461295, 1e-6);
-    for (int i = 0; i < 4000; i++) {
+    for (int i = 0; i < 4000; ++i) {
         const float id = media::id_of_name("name " + std::to_string(i));
         EXPECT_TRUE(std::isnormal(id)) << i;
     }
@@ -72,7 +72,7 @@ TEST(Cryptomatte, MattesAreReadByName) {
         const auto id =
             std::bit_cast<float>(static_cast<uint32_t>(std::stoul(manifest.at(name).get<std::string>(), nullptr, 16)));
         float sum = 0;
-        for (size_t rank = 0; rank < 6; rank++)
+        for (size_t rank = 0; rank < 6; ++rank)
             if (planes[2 * rank][pixel] == id) sum += planes[2 * rank + 1][pixel];
         return sum;
     };

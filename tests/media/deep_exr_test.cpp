@@ -27,10 +27,10 @@ TEST(DeepExr, SamplesAreReadBack) {
     EXPECT_EQ(back.width, 3u);
     EXPECT_EQ(back.counts, image.counts);
     ASSERT_EQ(back.samples.size(), 4u);
-    for (size_t i = 0; i < 4; i++) {
+    for (size_t i = 0; i < 4; ++i) {
         EXPECT_EQ(back.samples[i].near_m, image.samples[i].near_m) << i;
         EXPECT_EQ(back.samples[i].far_m, image.samples[i].far_m) << i;
-        for (size_t c = 0; c < 4; c++) {
+        for (size_t c = 0; c < 4; ++c) {
             const float expected = std::min(image.samples[i].rgba[c], 65504.0f);
             EXPECT_NEAR(back.samples[i].rgba[c], expected, std::abs(expected) / 2048 + 1e-7f) << i;
         }

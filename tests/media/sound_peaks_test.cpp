@@ -47,7 +47,7 @@ TEST_F(SoundPeaksTest, AToneIsWhereItBegins) {
 TEST_F(SoundPeaksTest, OtherCountsOfChannelsAreReadToo) {
     for (const uint16_t channels : std::array<uint16_t, 3>{1, 3, 5}) {
         std::vector<int16_t> samples;
-        for (uint32_t i = 0; i < media::kSoundRate / 2; i++)
+        for (uint32_t i = 0; i < media::kSoundRate / 2; ++i)
             samples.insert(samples.end(), channels, i < media::kSoundRate / 4 ? int16_t{0} : int16_t{12000});
         write_wav(wav, samples, channels, media::kSoundRate);
         const media::SoundPeaks peaks = read();
@@ -83,8 +83,8 @@ TEST_F(SoundPeaksTest, EveryRangeHasItsLargest) {
         std::vector<uint16_t> buckets(size);
         for (uint16_t& bucket : buckets) bucket = static_cast<uint16_t>(random() % 32769);
         const media::SoundPeaks peaks(buckets);
-        for (size_t from = 0; from < size; from++)
-            for (size_t to = from + 1; to <= size; to++) {
+        for (size_t from = 0; from < size; ++from)
+            for (size_t to = from + 1; to <= size; ++to) {
                 const auto begin = buckets.begin();
                 const uint16_t most = *std::max_element(begin + static_cast<std::ptrdiff_t>(from),
                                                         begin + static_cast<std::ptrdiff_t>(to));

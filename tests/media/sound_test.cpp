@@ -25,9 +25,9 @@ struct SoundTest : testing::Test {
 
     void write_video(uint32_t images, double fps) const {
         media::VideoWriter writer(video, 32, 32, fps);
-        for (uint32_t i = 0; i < images; i++) {
+        for (uint32_t i = 0; i < images; ++i) {
             media::Image image(32, 32);
-            for (size_t at = 0; at < image.rgba.size(); at++) image.rgba[at] = static_cast<uint8_t>(at + 9 * size_t{i});
+            for (size_t at = 0; at < image.rgba.size(); ++at) image.rgba[at] = static_cast<uint8_t>(at + 9 * size_t{i});
             writer.add(image);
         }
         writer.finish();
@@ -49,7 +49,7 @@ TEST_F(SoundTest, SamplesOfThisRateAreAsTheyAre) {
     write_wav(wav, tone, 2, media::kSoundRate);
     const media::Sound sound = media::read_sound(wav);
     ASSERT_EQ(sound.samples.size(), 5000u);
-    for (size_t i = 0; i < 5000; i++) {
+    for (size_t i = 0; i < 5000; ++i) {
         EXPECT_EQ(sound.samples[i][0], tone[2 * i]) << i;
         EXPECT_EQ(sound.samples[i][1], tone[2 * i + 1]) << i;
     }
@@ -57,13 +57,13 @@ TEST_F(SoundTest, SamplesOfThisRateAreAsTheyAre) {
 
 TEST_F(SoundTest, OtherRatesAndChannelsAreConverted) {
     std::vector<int16_t> mono;
-    for (uint32_t i = 0; i < 22050; i++)
+    for (uint32_t i = 0; i < 22050; ++i)
         mono.push_back(static_cast<int16_t>(std::lround(9000 * std::sin(2 * std::numbers::pi * 440 * i / 22050))));
     write_wav(wav, mono, 1, 22050);
     const media::Sound sound = media::read_sound(wav);
     EXPECT_NEAR(sound.length_s(), 1, 0.002);
     double apart = 0;
-    for (size_t i = 4800; i < 43200; i++) {  // not where the filter begins and ends
+    for (size_t i = 4800; i < 43200; ++i) {  // not where the filter begins and ends
         EXPECT_EQ(sound.samples[i][0], sound.samples[i][1]) << i;
         const double phase = 2 * std::numbers::pi * 440 * static_cast<double>(i) / media::kSoundRate;
         const double expected = 9000 * std::sin(phase);
@@ -90,14 +90,14 @@ void append_aac(const std::filesystem::path& path, int channels, int rate, int f
     const auto write = [&] {
         while (avcodec_receive_packet(codec, packet) >= 0) av_write_frame(output, packet);
     };
-    for (int i = 0; i < frames; i++) {
+    for (int i = 0; i < frames; ++i) {
         AVFrame* frame = av_frame_alloc();
         frame->format = AV_SAMPLE_FMT_FLTP;
         frame->nb_samples = codec->frame_size;
         av_channel_layout_copy(&frame->ch_layout, &codec->ch_layout);
         ASSERT_GE(av_frame_get_buffer(frame, 0), 0);
-        for (int c = 0; c < channels; c++)
-            for (int s = 0; s < frame->nb_samples; s++)
+        for (int c = 0; c < channels; ++c)
+            for (int s = 0; s < frame->nb_samples; ++s)
                 reinterpret_cast<float*>(frame->extended_data[c])[s] = static_cast<float>(
                     0.5 * std::sin(2 * std::numbers::pi * 440 * (double(i) * frame->nb_samples + s) / rate));
         frame->pts = int64_t{i} * frame->nb_samples;
@@ -125,7 +125,7 @@ TEST_F(SoundTest, ASoundMayChangeItsForm) {
     for (const double from_s : {0.3, 1.4}) {
         int crossings = 0;
         const auto begin = static_cast<size_t>(from_s * media::kSoundRate);
-        for (size_t i = begin; i < begin + media::kSoundRate / 2; i++)
+        for (size_t i = begin; i < begin + media::kSoundRate / 2; ++i)
             for (const size_t side : {0u, 1u})
                 crossings += sound.samples[i][side] < 0 && sound.samples[i + 1][side] >= 0;
         EXPECT_NEAR(crossings, 440, 8) << "half a second of both sides, from " << from_s;
@@ -148,7 +148,7 @@ TEST_F(SoundTest, AVideoGetsATrack) {
         const media::Sound sound = media::read_sound(video);
         EXPECT_NEAR(sound.length_s(), 2, 0.05);
         double noise = 0, power = 0;
-        for (size_t i = 4800; i < 86400; i++) {
+        for (size_t i = 4800; i < 86400; ++i) {
             const double expected =
                 amplitude * std::sin(2 * std::numbers::pi * 440 * static_cast<double>(i) / media::kSoundRate);
             noise += std::pow(sound.samples[i][0] / 32768.0 - expected, 2);
@@ -164,9 +164,9 @@ TEST_F(SoundTest, ASoundIsWrittenByItself) {
     media::write_sound(folder.path / "a.m4a", before);
     const media::Sound after = media::read_sound(folder.path / "a.m4a");
     EXPECT_NEAR(after.length_s(), before.length_s(), 0.025);
-    for (size_t side = 0; side < 2; side++) {
+    for (size_t side = 0; side < 2; ++side) {
         double noise = 0, power = 0;
-        for (size_t i = 4800; i < 43200; i++) {
+        for (size_t i = 4800; i < 43200; ++i) {
             noise += std::pow(after.samples[i][side] - before.samples[i][side], 2);
             power += std::pow(before.samples[i][side], 2);
         }

@@ -67,10 +67,10 @@ TEST(Video, PartsAreJoined) {
     const int ends[] = {2, 3, 20};
     media::VideoWriter all(whole, 62, 48, 30000.0 / 1001);
     std::vector<std::filesystem::path> parts;
-    for (int part = 0, i = 0; part < 3; part++) {
+    for (int part = 0, i = 0; part < 3; ++part) {
         parts.push_back(folder.path / (std::to_string(part) + ".mp4"));
         media::VideoWriter video(parts.back(), 62, 48, 30000.0 / 1001);
-        for (; i < ends[part]; i++) {
+        for (; i < ends[part]; ++i) {
             const media::Image image =
                 plain(62, 48, static_cast<uint8_t>(10 * i), 80, static_cast<uint8_t>(200 - 7 * i));
             video.add(image);
@@ -88,9 +88,9 @@ TEST(Video, PartsAreJoined) {
     EXPECT_NEAR(summary.fps, 30000.0 / 1001, 1e-3);
     media::VideoReader a(whole), b(joined);
     media::Image of_a, of_b;
-    for (int i = 0; i < 20; i++) {
+    for (int i = 0; i < 20; ++i) {
         ASSERT_TRUE(a.next(of_a) && b.next(of_b)) << i;
-        for (size_t p = 0; p < of_a.rgba.size(); p++) ASSERT_NEAR(of_a.rgba[p], of_b.rgba[p], 4) << "frame " << i;
+        for (size_t p = 0; p < of_a.rgba.size(); ++p) ASSERT_NEAR(of_a.rgba[p], of_b.rgba[p], 4) << "frame " << i;
     }
     AVRational base_a{}, base_b{};
     EXPECT_EQ(times_of(whole, base_a), times_of(joined, base_b));

@@ -34,7 +34,7 @@ uint32_t count_nodes(const std::vector<NodeInterval>& met, uint32_t grid_levels,
     for (double at = range.enter; at < range.exit && at <= last;) {
         const NodeInterval* node = innermost(met, grid_levels, at);
         if (!node) break;
-        count++;
+        ++count;
         double next = node->along.exit;
         for (const NodeInterval& child : met)
             if (is_child(child.node, node->node) && child.node.lives && child.along.enter > at)
@@ -54,10 +54,10 @@ WalkNodes walk_nodes(const voctree::VOctree& tree, const std::vector<LeafSlice>&
     walk.grid_levels = grid_levels;
     walk.box_first = glm::uvec3(UINT32_MAX);
     std::map<std::tuple<uint32_t, uint32_t, uint32_t, uint32_t>, bool> lives;
-    for (size_t leaf = 0; leaf < walk.leaves.size(); leaf++) {
+    for (size_t leaf = 0; leaf < walk.leaves.size(); ++leaf) {
         const voctree::LeafPosition& position = walk.leaves[leaf];
         const uint32_t depth = position.depth + levels_above;
-        for (uint32_t level = 0; 2 * level < depth; level++) {
+        for (uint32_t level = 0; 2 * level < depth; ++level) {
             const uint32_t shift = depth - 2 * level;
             lives[{level, position.x >> shift, position.y >> shift, position.z >> shift}] |=
                 !pruned || slices[leaf].sigma > 0;
@@ -81,7 +81,7 @@ Inspected inspect(const voctree::VOctree& tree, const std::vector<LeafSlice>& sl
     for (const Segment& segment : intersect(tree, of.ray)) {
         const double sigma = slices[segment.leaf].sigma;
         if (pruned && sigma <= 0) continue;
-        result.leaves++;
+        ++result.leaves;
         const double threshold = 1 - 0.5 / of.opacity;
         const double after = transmittance * std::exp(-sigma * (segment.t_exit - segment.t_enter));
         if (result.level == 0 && after <= threshold) {
@@ -115,8 +115,8 @@ glm::dvec3 viridis(double at) {
                                 {0.0038, 1.4892, -0.7281, -2.0212, 7.3047, -7.9009, 2.7574},
                                 {0.3377, 0.9541, 5.1219, -40.5236, 97.2847, -101.2765, 38.2373}};
     glm::dvec3 colour(0);
-    for (int channel = 0; channel < 3; channel++)
-        for (int power = 0; power < 7; power++) colour[channel] += terms[channel][power] * std::pow(at, power);
+    for (int channel = 0; channel < 3; ++channel)
+        for (int power = 0; power < 7; ++power) colour[channel] += terms[channel][power] * std::pow(at, power);
     return glm::clamp(colour, 0.0, 1.0);
 }
 

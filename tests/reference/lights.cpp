@@ -26,10 +26,10 @@ glm::dvec3 light_at(const render::SetLight& light, glm::dvec3 world, glm::dvec3&
 glm::dvec3 irradiance(const std::function<glm::dvec3(glm::dvec3)>& light_from, glm::dvec3 normal, int rows) {
     constexpr double kPi = std::numbers::pi;
     glm::dvec3 sum(0);
-    for (int row = 0; row < rows; row++) {
+    for (int row = 0; row < rows; ++row) {
         const double theta = kPi * (row + 0.5) / rows;
         const double solid_angle = (std::cos(kPi * row / rows) - std::cos(kPi * (row + 1) / rows)) * kPi / rows;
-        for (int column = 0; column < 2 * rows; column++) {
+        for (int column = 0; column < 2 * rows; ++column) {
             const double phi = kPi * (column + 0.5) / rows;
             const glm::dvec3 d(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
             sum += solid_angle * std::max(glm::dot(normal, d), 0.0) * light_from(d);

@@ -13,7 +13,7 @@ std::vector<Sample> merge(const std::vector<std::vector<Sample>>& instances) {
                 for (const double side : {-0.5, 0.5}) borders.push_back(sample.z_m + side * sample.delta_m);
     std::sort(borders.begin(), borders.end());
     std::vector<Sample> merged;
-    for (size_t i = 0; i + 1 < borders.size(); i++) {
+    for (size_t i = 0; i + 1 < borders.size(); ++i) {
         const double middle = 0.5 * (borders[i] + borders[i + 1]);
         Sample sum{0, glm::dvec3(0), borders[i + 1] - borders[i], middle};
         for (const std::vector<Sample>& samples : instances)

@@ -18,7 +18,7 @@ glm::dvec3 with_luminance(glm::dvec3 colour, double target) {
     if (luminance(colour) < 1e-6) return glm::dvec3(target);
     const glm::dvec3 scaled = colour * (target / luminance(colour));
     double saturation = 1;
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; ++c)
         if (scaled[c] > 1) saturation = std::min(saturation, (1 - target) / (scaled[c] - target));
     return glm::dvec3(target) + saturation * (scaled - target);
 }
@@ -28,13 +28,13 @@ void paint_leaf(LeafSlice& leaf, uint32_t degree, const PaintStep& step, const v
     const double part = step.opacity * double{edit.alpha};
     if (part == 0) return;
     glm::dvec3 mean;
-    for (int c = 0; c < 3; c++) mean[c] = 1 / (1 + std::exp(-kY00 * leaf.k[static_cast<size_t>(c)][0]));
+    for (int c = 0; c < 3; ++c) mean[c] = 1 / (1 + std::exp(-kY00 * leaf.k[static_cast<size_t>(c)][0]));
     mean += part * (blend(step.blend, mean, glm::dvec3(edit.colour)) - mean);
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; ++c) {
         const double clamped = std::clamp(mean[c], double{kPaintBlack}, 1 - double{kPaintBlack});
         leaf.k[static_cast<size_t>(c)][0] = std::log(clamped / (1 - clamped)) / kY00;
     }
-    for (size_t j = 1; j < sh_count(degree); j++) {
+    for (size_t j = 1; j < sh_count(degree); ++j) {
         const double grey = luminance({leaf.k[0][j], leaf.k[1][j], leaf.k[2][j]});
         for (auto& channel : leaf.k) {
             if (step.blend == kPaintNormal) channel[j] *= 1 - part;

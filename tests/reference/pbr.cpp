@@ -64,8 +64,8 @@ glm::dvec2 specular_albedo(double roughness, double nv, int steps) {
     const double alpha = std::pow(clamped(roughness), 2);
     const glm::dvec3 eye(std::sqrt(1 - nv * nv), 0, nv);
     glm::dvec2 sum(0);
-    for (int i = 0; i < steps; i++)
-        for (int k = 0; k < steps; k++) {
+    for (int i = 0; i < steps; ++i)
+        for (int k = 0; k < steps; ++k) {
             // Half vectors as dense as D N·H; dω_l = 4 V·H dω_h.
             const double u = (i + 0.5) / steps, phi = std::numbers::pi * (k + 0.5) / steps;
             const double nh = std::sqrt((1 - u) / (1 + (alpha * alpha - 1) * u)), sine = std::sqrt(1 - nh * nh);

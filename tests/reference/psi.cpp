@@ -28,7 +28,7 @@ LeafWeights weights_of(const Psi& psi, const std::vector<double>& z) {
     weights.sigma.assign(at(0), at(bases));
     for (double& w : weights.sigma) w *= psi.density;
     weights.gamma.assign(at(bases), at(2 * bases));
-    for (size_t c = 0; c < 3; c++)
+    for (size_t c = 0; c < 3; ++c)
         weights.hh[c].assign(at(2 * bases + c * functions), at(2 * bases + (c + 1) * functions));
     return weights;
 }
@@ -46,19 +46,19 @@ std::vector<double> output_adjoint(const Psi& psi, const LeafWeights& d) {
 
 std::vector<double> psi_encode(glm::dvec3 x, uint32_t frequencies) {
     std::vector<double> features = {x.x, x.y, x.z};
-    for (uint32_t k = 0; k < frequencies; k++) {
+    for (uint32_t k = 0; k < frequencies; ++k) {
         const double scale = std::ldexp(std::numbers::pi, static_cast<int>(k));
-        for (int c = 0; c < 3; c++) features.push_back(std::sin(scale * x[c]));
-        for (int c = 0; c < 3; c++) features.push_back(std::cos(scale * x[c]));
+        for (int c = 0; c < 3; ++c) features.push_back(std::sin(scale * x[c]));
+        for (int c = 0; c < 3; ++c) features.push_back(std::cos(scale * x[c]));
     }
     return features;
 }
 
 std::vector<double> layer_forward(const PsiLayer& layer, const std::vector<double>& h) {
     std::vector<double> z(layer.outputs);
-    for (size_t o = 0; o < layer.outputs; o++) {
+    for (size_t o = 0; o < layer.outputs; ++o) {
         z[o] = layer.numbers[layer.inputs * layer.outputs + o];
-        for (size_t k = 0; k < layer.inputs; k++) z[o] += layer.numbers[k * layer.outputs + o] * h[k];
+        for (size_t k = 0; k < layer.inputs; ++k) z[o] += layer.numbers[k * layer.outputs + o] * h[k];
     }
     return z;
 }
@@ -66,9 +66,9 @@ std::vector<double> layer_forward(const PsiLayer& layer, const std::vector<doubl
 std::vector<double> layer_adjoint(const PsiLayer& layer, const std::vector<double>& h, const std::vector<double>& d_z,
                                   PsiLayer& gradient) {
     std::vector<double> d_h(layer.inputs);
-    for (size_t o = 0; o < layer.outputs; o++) {
+    for (size_t o = 0; o < layer.outputs; ++o) {
         gradient.numbers[layer.inputs * layer.outputs + o] += d_z[o];
-        for (size_t k = 0; k < layer.inputs; k++) {
+        for (size_t k = 0; k < layer.inputs; ++k) {
             gradient.numbers[k * layer.outputs + o] += h[k] * d_z[o];
             d_h[k] += layer.numbers[k * layer.outputs + o] * d_z[o];
         }
@@ -106,20 +106,20 @@ void psi_sample_adjoint(const Psi& psi, const std::vector<double>& row_a, const 
     const ShCoefficients d_k = sample_colour_adjoint(at, psi.hh_degree, direction, d_colour);
     SliceGradient d = slice_adjoint(weights, row_a, row_b, psi.hh_degree, d_sigma, d_k);
     double raw = 0;
-    for (size_t c = 0; c < psi.bases; c++) raw += row_a[c] * weights.sigma[c];
+    for (size_t c = 0; c < psi.bases; ++c) raw += row_a[c] * weights.sigma[c];
     if (raw <= 0 && revival >= 0 && (d_sigma < 0 || raw > -revival))
-        for (size_t c = 0; c < psi.bases; c++) {
+        for (size_t c = 0; c < psi.bases; ++c) {
             d.weights.sigma[c] = d_sigma * row_a[c];
             d.row_a[c] = d_sigma * weights.sigma[c];
         }
-    for (size_t c = 0; c < psi.bases; c++) {
+    for (size_t c = 0; c < psi.bases; ++c) {
         gradient.row_a[c] += d.row_a[c];
         gradient.row_b[c] += d.row_b[c];
     }
     std::vector<double> d_h =
         layer_adjoint(psi.output, h.back(), output_adjoint(psi, d.weights), gradient.network.output);
     for (size_t layer = psi.hidden.size(); layer-- > 0;) {
-        for (size_t i = 0; i < d_h.size(); i++)
+        for (size_t i = 0; i < d_h.size(); ++i)
             if (h[layer + 1][i] <= 0) d_h[i] = 0;
         d_h = layer_adjoint(psi.hidden[layer], h[layer], d_h, gradient.network.hidden[layer]);
     }
@@ -138,7 +138,7 @@ std::vector<double> importance_edges(const std::vector<double>& sigmas, double t
     const double even = 1 / static_cast<double>(sigmas.size());
     for (double& s : share) s = alpha > 1e-4 ? (1 - floor) * s / alpha + floor * even : even;
     std::vector<double> edges = {t_0};
-    for (size_t i = 1; i < count; i++) {
+    for (size_t i = 1; i < count; ++i) {
         double left = static_cast<double>(i) / static_cast<double>(count);
         size_t bin = 0;
         while (bin + 1 < share.size() && left > share[bin]) left -= share[bin++];

@@ -18,11 +18,11 @@ std::vector<ShadowTexel> blurred_shadow(const std::vector<ShadowTexel>& texels, 
     constexpr int kRadius = kBlurRadius;
     const int edge = static_cast<int>(side);
     std::vector<ShadowTexel> blurred(texels.size());
-    for (int y = 0; y < edge; y++)
-        for (int x = 0; x < edge; x++) {
+    for (int y = 0; y < edge; ++y)
+        for (int x = 0; x < edge; ++x) {
             double weights = 0, alpha = 0, metres = 0;
-            for (int v = y - kRadius; v <= y + kRadius; v++)
-                for (int u = x - kRadius; u <= x + kRadius; u++) {
+            for (int v = y - kRadius; v <= y + kRadius; ++v)
+                for (int u = x - kRadius; u <= x + kRadius; ++u) {
                     const double weight = gaussian(u - x, v - y);
                     weights += weight;
                     if (u < 0 || v < 0 || u >= edge || v >= edge) continue;

@@ -12,7 +12,7 @@ struct Cube {
     glm::i64vec3 low;
     int64_t size;
     bool contains(glm::i64vec3 cell) const {
-        for (int axis = 0; axis < 3; axis++)
+        for (int axis = 0; axis < 3; ++axis)
             if (cell[axis] < low[axis] || cell[axis] >= low[axis] + size) return false;
         return true;
     }
@@ -29,12 +29,12 @@ std::array<uint32_t, 6> face_neighbours(const std::vector<voctree::LeafPosition>
                                         uint32_t finest) {
     const Cube cube = cube_of(positions[leaf], finest);
     std::array<uint32_t, 6> found;
-    for (size_t face = 0; face < 6; face++) {
+    for (size_t face = 0; face < 6; ++face) {
         const int axis = static_cast<int>(face / 2);
         glm::i64vec3 cell = cube.low + cube.size / 2;
         cell[axis] = face % 2 == 0 ? cube.low[axis] - 1 : cube.low[axis] + cube.size;
         found[face] = UINT32_MAX;
-        for (uint32_t other = 0; other < positions.size(); other++)
+        for (uint32_t other = 0; other < positions.size(); ++other)
             if (cube_of(positions[other], finest).contains(cell)) found[face] = other;
     }
     return found;

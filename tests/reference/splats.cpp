@@ -24,8 +24,8 @@ glm::dvec3 colour_of(const GaussianSplat& splat, const glm::dvec3& direction) {
     const auto degree = static_cast<uint32_t>(std::lround(std::sqrt(splat.sh.size()))) - 1;
     const std::vector<double> basis = sh_basis(degree, direction);
     glm::dvec3 sum(0.5);
-    for (int l = 0; l <= static_cast<int>(degree); l++)
-        for (int m = -l; m <= l; m++) sum += phase(m) * basis[sh_index(l, m)] * splat.sh[sh_index(l, m)];
+    for (int l = 0; l <= static_cast<int>(degree); ++l)
+        for (int m = -l; m <= l; ++m) sum += phase(m) * basis[sh_index(l, m)] * splat.sh[sh_index(l, m)];
     return glm::max(sum, glm::dvec3(0));
 }
 
@@ -72,8 +72,8 @@ std::vector<GaussianSplat> read_splats(const std::filesystem::path& file) {
     std::vector<float> row(columns.size());
     const auto value = [&](const std::string& name) { return double{row.at(columns.at(name))}; };
     size_t rest = 0;
-    while (columns.contains("f_rest_" + std::to_string(rest))) rest++;
-    for (size_t i = 0; i < count; i++) {
+    while (columns.contains("f_rest_" + std::to_string(rest))) ++rest;
+    for (size_t i = 0; i < count; ++i) {
         in.read(reinterpret_cast<char*>(row.data()), static_cast<std::streamsize>(row.size() * sizeof(float)));
         GaussianSplat splat;
         splat.position = {value("x"), value("y"), value("z")};
@@ -81,9 +81,9 @@ std::vector<GaussianSplat> read_splats(const std::filesystem::path& file) {
         splat.rotation = glm::dquat(value("rot_0"), value("rot_1"), value("rot_2"), value("rot_3"));
         splat.opacity = 1 / (1 + std::exp(-value("opacity")));
         splat.sh.push_back({value("f_dc_0"), value("f_dc_1"), value("f_dc_2")});
-        for (size_t k = 0; k < rest / 3; k++) {
+        for (size_t k = 0; k < rest / 3; ++k) {
             glm::dvec3 one;
-            for (size_t c = 0; c < 3; c++)
+            for (size_t c = 0; c < 3; ++c)
                 one[static_cast<int>(c)] = value("f_rest_" + std::to_string(c * (rest / 3) + k));
             splat.sh.push_back(one);
         }
@@ -108,7 +108,7 @@ std::vector<glm::dvec3> draw_splats(std::vector<GaussianSplat> splats, const Spl
         if (at.z < 0.01) continue;
         const Projected on_image = project(splat, at, camera);
         const glm::dvec3 colour = colour_of(splat, glm::normalize(splat.position - camera.position));
-        for (size_t i = 0; i < pixels.size(); i++) {
+        for (size_t i = 0; i < pixels.size(); ++i) {
             const auto width = static_cast<size_t>(camera.width);
             const glm::dvec2 pixel(static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5);
             const glm::dvec2 d = pixel - on_image.middle;
@@ -118,7 +118,7 @@ std::vector<glm::dvec3> draw_splats(std::vector<GaussianSplat> splats, const Spl
             transmittance[i] *= 1 - alpha;
         }
     }
-    for (size_t i = 0; i < pixels.size(); i++)
+    for (size_t i = 0; i < pixels.size(); ++i)
         pixels[i] = glm::min(pixels[i] + transmittance[i] * background, glm::dvec3(1));
     return pixels;
 }

@@ -32,7 +32,7 @@ TEST(Psi, EncodingByHand) {
     const double root = std::numbers::sqrt2 / 2;
     const std::vector<double> truth = {0.25, -0.5, 1, root, -1, 0, root, 0, -1, 1, 0, 0, 0, -1, 1};
     ASSERT_EQ(features.size(), truth.size());
-    for (size_t i = 0; i < truth.size(); i++) EXPECT_NEAR(features[i], truth[i], 1e-15) << i;
+    for (size_t i = 0; i < truth.size(); ++i) EXPECT_NEAR(features[i], truth[i], 1e-15) << i;
 }
 
 TEST(Psi, ALayerByHand) {
@@ -63,7 +63,7 @@ TEST(Psi, SampleAdjointIsTheDerivative) {
     const auto check = [&](const char* name, std::vector<double>& numbers, const std::vector<double>& d) {
         ASSERT_EQ(numbers.size(), d.size());
         size_t live = 0;
-        for (size_t i = 0; i < d.size(); i++) {
+        for (size_t i = 0; i < d.size(); ++i) {
             EXPECT_LT(gradient_error(d[i], numbers[i], loss, 1e-5), 1e-6) << name << ' ' << i;
             live += d[i] != 0 ? 1 : 0;
         }
@@ -82,7 +82,7 @@ TEST(Psi, EmptySpaceHasNoDensityGradient) {
     Psi psi = random_psi(random);
     const std::vector<double> row_a(psi.bases, 1), row_b = random_row(random, psi.bases);
     double* bias = &psi.output.numbers[psi.output.inputs * psi.output.outputs];
-    for (size_t c = 0; c < psi.bases; c++) bias[c] = -100;
+    for (size_t c = 0; c < psi.bases; ++c) bias[c] = -100;
     PsiGradient gradient = psi_gradient_begin(psi);
     psi_sample_adjoint(psi, row_a, row_b, {0.1, 0.2, 0.3}, {0, 0, 1}, 1, glm::dvec3(0), gradient);
     for (const double d : gradient.network.output.numbers) EXPECT_EQ(d, 0);
@@ -108,9 +108,9 @@ TEST(Psi, ImportanceFollowsTheWeights) {
     const auto inside =
         std::count_if(edges.begin(), edges.end(), [](double t) { return t >= 4 - 1e-9 && t <= 5 + 1e-9; });
     EXPECT_NEAR(static_cast<double>(inside), 86, 1);
-    for (size_t i = 1; i < edges.size(); i++) EXPECT_GT(edges[i], edges[i - 1]);
+    for (size_t i = 1; i < edges.size(); ++i) EXPECT_GT(edges[i], edges[i - 1]);
     const std::vector<double> empty = importance_edges({0, 0, 0, 0}, 2, 6, 8, 0.2);
-    for (size_t i = 0; i < empty.size(); i++) EXPECT_NEAR(empty[i], 2 + 0.5 * static_cast<double>(i), 1e-12);
+    for (size_t i = 0; i < empty.size(); ++i) EXPECT_NEAR(empty[i], 2 + 0.5 * static_cast<double>(i), 1e-12);
 }
 
 }  // namespace

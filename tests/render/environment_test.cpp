@@ -16,11 +16,11 @@ glm::dvec3 smooth_light(glm::dvec3 d) {
 
 media::Image smooth_image(uint32_t height) {
     media::Image image(2 * height, height);
-    for (uint32_t y = 0; y < height; y++)
-        for (uint32_t x = 0; x < 2 * height; x++) {
+    for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < 2 * height; ++x) {
             const glm::dvec3 light =
                 smooth_light(render::environment_direction((x + 0.5) / (2.0 * height), (y + 0.5) / height));
-            for (int c = 0; c < 3; c++) image.at(x, y)[c] = media::srgb_byte_from_linear(static_cast<float>(light[c]));
+            for (int c = 0; c < 3; ++c) image.at(x, y)[c] = media::srgb_byte_from_linear(static_cast<float>(light[c]));
             image.at(x, y)[3] = 255;
         }
     return image;
@@ -30,19 +30,19 @@ glm::dvec3 value_of(const render::Irradiance& irradiance, glm::dvec3 n) {
     const double basis[9] = {
         1, n.y, n.z, n.x, n.x * n.y, n.y * n.z, 3 * n.z * n.z - 1, n.x * n.z, n.x * n.x - n.y * n.y};
     glm::dvec3 sum(0);
-    for (size_t i = 0; i < 9; i++) sum += basis[i] * irradiance[i];
+    for (size_t i = 0; i < 9; ++i) sum += basis[i] * irradiance[i];
     return sum;
 }
 
 std::vector<glm::dvec3> some_directions() {
     std::vector<glm::dvec3> directions;
-    for (int i = 0; i < 24; i++)
+    for (int i = 0; i < 24; ++i)
         directions.push_back(glm::normalize(glm::dvec3(std::sin(i * 1.7), std::cos(i * 2.3), std::sin(i * 0.9 + 1))));
     return directions;
 }
 
 void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
-    for (int c = 0; c < 3; c++) EXPECT_NEAR(a[c], b[c], tolerance) << "channel " << c;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << "channel " << c;
 }
 
 TEST(EnvironmentLight, IrradianceIsTheIntegral) {
@@ -56,8 +56,8 @@ TEST(EnvironmentLight, IrradianceIsTheIntegral) {
 
 TEST(EnvironmentLight, WidePicturesAreTakenDown) {
     media::Image image(8200, 12);  // a little more than four times the largest width
-    for (uint32_t y = 0; y < image.height; y++)
-        for (uint32_t x = 0; x < image.width; x++) image.at(x, y)[x % 2] = 255;  // red, green, red, ...
+    for (uint32_t y = 0; y < image.height; ++y)
+        for (uint32_t x = 0; x < image.width; ++x) image.at(x, y)[x % 2] = 255;  // red, green, red, ...
     const render::Environment environment = render::make_environment(image);
     EXPECT_EQ(environment.width, 1025u);
     EXPECT_EQ(environment.height, 1u);
@@ -83,8 +83,8 @@ glm::dvec3 mirrored(glm::dvec3 n, double roughness) {
     glm::dvec3 sum(0);
     double weights = 0;
     constexpr int kRows = 400;
-    for (int row = 0; row < kRows; row++)
-        for (int column = 0; column < 2 * kRows; column++) {
+    for (int row = 0; row < kRows; ++row)
+        for (int column = 0; column < 2 * kRows; ++column) {
             const double v = (row + 0.5) / kRows;
             const glm::dvec3 d = render::environment_direction((column + 0.5) / (2.0 * kRows), v);
             const double nl = glm::dot(n, d);
@@ -100,7 +100,7 @@ glm::dvec3 mirrored(glm::dvec3 n, double roughness) {
 TEST(EnvironmentLight, LevelsAreBlurredAsRoughSurfacesMirror) {
     const render::Environment environment = render::make_environment(smooth_image(128));
     ASSERT_EQ(environment.levels.size(), 5u);
-    for (size_t level = 1; level < environment.levels.size(); level++) {
+    for (size_t level = 1; level < environment.levels.size(); ++level) {
         const uint32_t width = environment.width >> level, height = environment.height >> level;
         for (const auto& [x, y] : {std::pair{3u, 2u}, {width / 2, height / 2}, {width - 1, height - 2}}) {
             const uint16_t* texel = &environment.levels[level][4 * (size_t{y} * width + x)];
@@ -146,12 +146,12 @@ TEST_F(EnvironmentTest, StandsBehindTheSetAndTurns) {
     const double c = std::cos(0.9), s = std::sin(0.9);
     const glm::dmat3 back(c, 0, s, 0, 1, 0, -s, 0, c);
     size_t beside = 0;
-    for (uint32_t y = 0; y < kSide; y++)
-        for (uint32_t x = 0; x < kSide; x++) {
+    for (uint32_t y = 0; y < kSide; ++y)
+        for (uint32_t x = 0; x < kSide; ++x) {
             const size_t texel = y * kSide + x;
             ASSERT_EQ(drawn.colour[texel].a, 1);
             if (drawn.depth_m[texel] != INFINITY) continue;
-            beside++;
+            ++beside;
             expect_near(glm::dvec3(drawn.colour[texel]),
                         2.0 * smooth_light(back * reference::camera_ray(camera, x, y).direction), 0.012);
         }

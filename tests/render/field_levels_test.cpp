@@ -27,7 +27,7 @@ stage::Camera camera_at(const render::Field& field, double rays_m) {
 
 double squared_error(const media::Image& a, const media::Image& b) {
     double sum = 0;
-    for (size_t i = 0; i < a.rgba.size(); i++) sum += std::pow(a.rgba[i] - b.rgba[i], 2);
+    for (size_t i = 0; i < a.rgba.size(); ++i) sum += std::pow(a.rgba[i] - b.rgba[i], 2);
     return sum / static_cast<double>(a.rgba.size());
 }
 
@@ -61,7 +61,7 @@ TEST_F(FieldLevelsTest, LeavesLookNoLargerThanTheDistanceOfRays) {
     const auto level = [&](double rays_m, uint32_t samples = 1) {
         return render::far_level_for(field, std::vector{camera_at(field, rays_m)}, glm::mat4(1), samples);
     };
-    for (uint32_t k = 1; k <= 3; k++) {
+    for (uint32_t k = 1; k <= 3; ++k) {
         const double edge_m = kLeafM * std::exp2(k);
         EXPECT_EQ(level(0.99 * edge_m), k - 1);
         EXPECT_EQ(level(1.01 * edge_m), k);
@@ -82,7 +82,7 @@ TEST_F(FieldLevelsTest, SquashedPerformersHaveNoCoarserLevel) {
         return render::far_level_for(field, std::vector{camera}, glm::mat4(world_from_performer), 1);
     };
     const glm::dmat4 turned = glm::rotate(glm::dmat4(1), 0.7, glm::normalize(glm::dvec3(1, 2, 3)));
-    for (uint32_t k = 0; k <= 3; k++) {
+    for (uint32_t k = 0; k <= 3; ++k) {
         const stage::Camera camera = camera_at(field, 1.01 * kLeafM * std::exp2(k));
         ASSERT_EQ(level(glm::dmat4(1), camera), k);
         for (const double thickness : {0.5, 0.1, 0.01}) {
@@ -111,7 +111,7 @@ TEST_F(FieldLevelsTest, ClipsWhoseFramesShareBasesHaveNone) {
 TEST_F(FieldLevelsTest, LevelsHaveAtMostHalfOfTheLeavesOfTheLevelBefore) {
     voctree::VOctree scattered = tree;
     std::vector<voctree::LeafPosition> positions;
-    for (uint32_t i = 0; i < 16 * 16 * 16; i++)
+    for (uint32_t i = 0; i < 16 * 16 * 16; ++i)
         positions.push_back({4 * (i % 16), 4 * (i / 16 % 16), 4 * (i / 256), 6});
     voctree::build_topology(scattered, positions);
     const render::Field levels = render::upload_far_levels(device(), scattered);
@@ -126,9 +126,9 @@ TEST_F(FieldLevelsTest, FarPerformersComeNearerToManyRays) {
     render::FrameSettings truth_settings = settings;
     truth_settings.samples = kTruthSamples;
     truth_settings.far_levels = false;
-    for (uint32_t level = 1; level <= 3; level++) {
+    for (uint32_t level = 1; level <= 3; ++level) {
         double without = 0, with = 0;
-        for (int position = 0; position < 5; position++) {
+        for (int position = 0; position < 5; ++position) {
             stage::Camera camera = camera_at(field, 1.2 * kLeafM * std::exp2(level));
             camera.world_from_camera[3].x += 0.013 * position;
             const media::Image truth = many.render(camera, truth_settings);

@@ -102,13 +102,13 @@ TEST_F(FramePassesTest, RaysHaveWhatTheRendererSays) {
         ASSERT_EQ(pass->height, kDown);
     }
     size_t covered = 0;
-    for (size_t i = 0; i < depth.size(); i++) {
+    for (size_t i = 0; i < depth.size(); ++i) {
         EXPECT_EQ(alpha.values[i], radiance[i].a);
         EXPECT_NEAR(light.values[i], 0.2126f * radiance[i].r + 0.7152f * radiance[i].g + 0.0722f * radiance[i].b, 1e-6);
         EXPECT_EQ(std::isnan(metres.values[i]), std::isinf(depth[i]));
         if (std::isinf(depth[i])) continue;
         EXPECT_EQ(metres.values[i], depth[i]);
-        covered++;
+        ++covered;
     }
     EXPECT_GT(covered, 100u);
     EXPECT_LT(covered, depth.size());
@@ -124,17 +124,17 @@ TEST_F(FramePassesTest, TilesBoundTheirRays) {
     ASSERT_EQ(near.width, kTilesAcross);
     ASSERT_EQ(near.height, kTilesDown);
     size_t rays = 0;
-    for (uint32_t y = 0; y < kDown; y++)
-        for (uint32_t x = 0; x < kAcross; x++) {
+    for (uint32_t y = 0; y < kDown; ++y)
+        for (uint32_t x = 0; x < kAcross; ++x) {
             const size_t tile = y / kTile * kTilesAcross + x / kTile;
             if (std::isinf(depth[size_t{y} * kAcross + x])) continue;
-            rays++;
+            ++rays;
             EXPECT_GE(depth[size_t{y} * kAcross + x], near.values[tile] - 1e-3f);
             EXPECT_LE(depth[size_t{y} * kAcross + x], far.values[tile] + 1e-3f);
         }
     EXPECT_GT(rays, 100u);
     std::set<float> indices;
-    for (size_t tile = 0; tile < near.values.size(); tile++) {
+    for (size_t tile = 0; tile < near.values.size(); ++tile) {
         const bool bounded = !std::isnan(near.values[tile]);
         EXPECT_EQ(std::isnan(far.values[tile]), !bounded);
         EXPECT_EQ(std::isnan(list.values[tile]), !bounded);
@@ -153,14 +153,14 @@ TEST_F(FramePassesTest, TheSetIsWhereItStands) {
     const stage::Camera rays = stage::enlarged(scene.camera, kSamples);
     const glm::dmat4 world = scene.camera.world_from_camera;
     size_t on_floor = 0;
-    for (uint32_t y = 0; y < kDown; y++)
-        for (uint32_t x = 0; x < kAcross; x++) {
+    for (uint32_t y = 0; y < kDown; ++y)
+        for (uint32_t x = 0; x < kAcross; ++x) {
             const glm::dvec3 line((x + 0.5 - rays.cx) / rays.fx, (rays.cy - y - 0.5) / rays.fy, -1);
             const glm::dvec3 along = glm::dmat3(world) * line, eye(world[3]);
             const double axis_m = (-1 - eye.y) / along.y;  // to the floor's plane
             const glm::dvec3 at = eye + axis_m * along;
             if (axis_m <= 0 || std::abs(at.x) > 3.9 || std::abs(at.z) > 3.9) continue;
-            on_floor++;
+            ++on_floor;
             EXPECT_NEAR(metres.values[size_t{y} * kAcross + x], axis_m, 2e-2 * axis_m) << x << ' ' << y;
         }
     EXPECT_GT(on_floor, 500u);

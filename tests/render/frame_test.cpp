@@ -128,10 +128,10 @@ TEST_F(FrameTest, SeveralRaysAPixel) {
     const std::vector<glm::vec4> rays = renderer.radiance();
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1.5);
     double alpha_mean = 0;
-    for (uint32_t y = 0; y < kHeight; y++)
-        for (uint32_t x = 0; x < kWidth; x++) {
+    for (uint32_t y = 0; y < kHeight; ++y)
+        for (uint32_t x = 0; x < kWidth; ++x) {
             glm::dvec4 mean(0);
-            for (uint32_t i = 0; i < kSamples * kSamples; i++) {
+            for (uint32_t i = 0; i < kSamples * kSamples; ++i) {
                 const uint32_t column = kSamples * x + i % kSamples, row = kSamples * y + i / kSamples;
                 const glm::dvec2 at = glm::dvec2(x, y) + rook(i % kSamples, i / kSamples, kSamples) - 0.5;
                 const reference::RayResult truth =
@@ -142,7 +142,7 @@ TEST_F(FrameTest, SeveralRaysAPixel) {
             alpha_mean += mean.a / (kWidth * kHeight);
             ASSERT_NEAR(image.at(x, y)[3], 255 * mean.a, 0.6);
             if (mean.a < 0.1) continue;  // straight colour is inexact where a pixel is nearly transparent
-            for (int channel = 0; channel < 3; channel++)
+            for (int channel = 0; channel < 3; ++channel)
                 ASSERT_NEAR(image.at(x, y)[channel], 255 * reference::display_value(mean[channel] / mean.a), 0.6);
         }
     EXPECT_GT(alpha_mean, 0.02);
@@ -176,7 +176,7 @@ TEST_F(FrameTest, ATreeOfOddDepthsMatchesTheReference) {
         std::vector<voctree::LeafPosition> odd;
         std::vector<const float*> weights;
         const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
-        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
             if (positions[leaf].depth % 2 == 0) continue;
             odd.push_back(positions[leaf]);
             weights.push_back(tree.leaf(leaf));
@@ -194,8 +194,8 @@ TEST_F(FrameTest, ACubeAndAThinBoxAreMetricToo) {
     for (const glm::vec3 size : {glm::vec3(1), glm::vec3(0.2f, 3.0f, 1.1f)}) {
         voctree::VOctree tree = random_tree({.seed = 8, .node_levels = 2, .leaves = 700});
         tree.box_size = size;
-        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-            for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 3;
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+            for (uint32_t c = 0; c < tree.bases; ++c) tree.leaf(leaf)[c] *= 3;
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
         Renderers renderers(device(), field);
         expect_agreement(tree, views(tree)[0], renderers, 3);
@@ -204,8 +204,8 @@ TEST_F(FrameTest, ACubeAndAThinBoxAreMetricToo) {
 
 TEST_F(FrameTest, EarlyTerminationChangesLessThanAStep) {
     voctree::VOctree tree = random_tree({.seed = 5, .node_levels = 3, .leaves = 3000, .hh_degree = 1});
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-        for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 12;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+        for (uint32_t c = 0; c < tree.bases; ++c) tree.leaf(leaf)[c] *= 12;
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     render::ReferenceRenderer renderer(device(), field, kWidth, kHeight);
     const stage::Camera camera = views(tree)[0].camera;
@@ -215,7 +215,7 @@ TEST_F(FrameTest, EarlyTerminationChangesLessThanAStep) {
         const Traced stopped = trace_by_path(renderer, camera, 2, path, render::kStopTransmittance);
         EXPECT_LE(difference(stopped, whole).steps, 1);
         double lost = 0;
-        for (size_t i = 0; i < whole.radiance.size(); i++)
+        for (size_t i = 0; i < whole.radiance.size(); ++i)
             lost = std::max(lost, static_cast<double>(whole.radiance[i].a - stopped.radiance[i].a));
         EXPECT_GT(lost, 0.05 * render::kStopTransmittance) << "no ray was ended early";
         EXPECT_LE(lost, render::kStopTransmittance);
@@ -277,7 +277,7 @@ TEST_F(FrameTest, LeavesAreShadedOnceWhereTheyAreSmallFromTheEye) {
 // The mean difference between shaded images and images shaded per ray must be at most 1/255, here over the covered
 // pixels and at the smallest distance at which leaves are shaded.
 TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
-    for (uint32_t degree = 1; degree <= kMaxHhDegree; degree++) {
+    for (uint32_t degree = 1; degree <= kMaxHhDegree; ++degree) {
         const voctree::VOctree tree =
             random_tree({.seed = 60 + degree, .node_levels = 3, .leaves = 3000, .hh_degree = degree});
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
@@ -291,10 +291,10 @@ TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
         const Traced shaded =
             trace_on_device(renderer, camera, 2, render::TraceMode::kShaded, render::kStopTransmittance);
         double sum = 0, covered = 0;
-        for (size_t i = 0; i < by_ray.radiance.size(); i++) {
+        for (size_t i = 0; i < by_ray.radiance.size(); ++i) {
             if (by_ray.radiance[i].a <= 1.0f / 255) continue;
-            covered++;
-            for (int c = 0; c < 3; c++)
+            ++covered;
+            for (int c = 0; c < 3; ++c)
                 sum += std::abs(reference::display_value(shaded.radiance[i][c]) -
                                 reference::display_value(by_ray.radiance[i][c]));
         }
@@ -355,7 +355,7 @@ TEST_F(FrameTest, NothingOfTheLastImageStays) {
                                   {{second}, one}};
     const render::FrameCapacity capacity{.width = kWidth, .height = kHeight, .views = 2};
     render::FrameRenderer cached(device(), {&field}, capacity);
-    for (size_t i = 0; i < steps.size(); i++) {
+    for (size_t i = 0; i < steps.size(); ++i) {
         render::FrameSettings settings{.instances = steps[i].instances, .width = kWidth, .height = kHeight};
         settings.resolve.show = steps[i].show;
         settings.scale = steps[i].scale;
@@ -406,8 +406,8 @@ TEST_F(FrameTest, SlicesShownLastAreKeptWithinTheBudget) {
 TEST_F(FrameTest, AFrameInWhichAllLeavesLiveFindsRoom) {
     voctree::VOctree tree = random_tree({.seed = 6, .node_levels = 6, .leaves = 9000, .bases = 3});
     for (float& row : tree.sigma_basis) row = std::abs(row) + 0.01f;
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-        for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] = std::abs(tree.leaf(leaf)[c]) + 0.01f;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+        for (uint32_t c = 0; c < tree.bases; ++c) tree.leaf(leaf)[c] = std::abs(tree.leaf(leaf)[c]) + 0.01f;
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     ASSERT_GT(field.leaf_count, render::max_entries(field) / 4 + 4096);
     Renderers renderers(device(), field);

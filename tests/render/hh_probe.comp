@@ -18,5 +18,5 @@ void main() {
     const float[kMaxShCount] y = sh_basis(points[i].xyz);
     results[i].radial = vec4[](r.l0, r.l1, r.l2, r.l3);
     results[i].slope = vec4[](s.l0, s.l1, s.l2, s.l3);
-    for (uint j = 0u; j < kMaxShCount; j++) results[i].sh[j / 4u][j % 4u] = y[j];
+    for (uint j = 0u; j < kMaxShCount; ++j) results[i].sh[j / 4u][j % 4u] = y[j];
 }

@@ -21,11 +21,11 @@ std::vector<glm::vec4> probe_points() {
     Random random(5);
     const double pi = std::numbers::pi;
     std::vector<double> gammas = {0, 1e-6, 1e-3, pi / 2, pi - 1e-3, pi - 1e-6, pi};
-    for (int i = 0; i < 200; i++) gammas.push_back(random.uniform(0, pi));
+    for (int i = 0; i < 200; ++i) gammas.push_back(random.uniform(0, pi));
     std::vector<glm::vec4> points;
     for (const double gamma : gammas)
         points.emplace_back(glm::vec3(reference::test::random_direction(random)), static_cast<float>(gamma));
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; ++axis)
         for (const float sign : {-1.0f, 1.0f}) {
             glm::vec4 point(0, 0, 0, 1);
             point[axis] = sign;
@@ -63,9 +63,9 @@ using HhTest = GpuTest;
 TEST_F(HhTest, RadialFactorsAndTheirSlopesMatchTheReference) {
     const std::vector<glm::vec4> points = probe_points();
     const std::vector<HhProbe> probes = probe(device(), points, kMaxHhDegree);
-    for (size_t i = 0; i < points.size(); i++)
-        for (int l = 0; l < 4; l++)
-            for (int n = 0; n < 4; n++) {
+    for (size_t i = 0; i < points.size(); ++i)
+        for (int l = 0; l < 4; ++l)
+            for (int n = 0; n < 4; ++n) {
                 const double gamma = points[i].w;
                 expect_close(probes[i].radial[l][n], n < l ? 0 : reference::radial(n, l, gamma), "R", n, l, gamma);
                 expect_close(probes[i].slope[l][n], n < l ? 0 : reference::radial_slope(n, l, gamma), "dR", n, l,
@@ -75,12 +75,12 @@ TEST_F(HhTest, RadialFactorsAndTheirSlopesMatchTheReference) {
 
 TEST_F(HhTest, SphericalHarmonicsMatchTheReferenceAndEndAtTheDegree) {
     const std::vector<glm::vec4> points = probe_points();
-    for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
+    for (uint32_t degree = 0; degree <= kMaxHhDegree; ++degree) {
         const std::vector<HhProbe> probes = probe(device(), points, degree);
-        for (size_t i = 0; i < points.size(); i++) {
+        for (size_t i = 0; i < points.size(); ++i) {
             std::vector<double> truth = reference::sh_basis(degree, glm::dvec3(points[i]));
             truth.resize(kMaxShCount, 0.0);
-            for (int j = 0; j < static_cast<int>(kMaxShCount); j++)
+            for (int j = 0; j < static_cast<int>(kMaxShCount); ++j)
                 expect_close(probes[i].sh[j / 4][j % 4], truth[static_cast<size_t>(j)], "Y", static_cast<int>(degree),
                              j, points[i].x);
         }

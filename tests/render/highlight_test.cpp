@@ -76,20 +76,20 @@ TEST_F(HighlightTest, EachLeafIsTintedByItsNearestBoneAndChildNodesAreNot) {
     gpu::download(device(), trees.entry_leaf, leaves.data(), leaves.size() * sizeof(uint32_t));
     gpu::download(device(), trees.counts, counts.data(), counts.size() * sizeof(LiveCount));
     std::array<uint32_t, 4> leaves_of_bone{};
-    for (uint32_t entry = 0; entry < counts[1].slots; entry++) {
+    for (uint32_t entry = 0; entry < counts[1].slots; ++entry) {
         const uint32_t leaf = leaves[trees.capacity + entry];
         if (leaf == kNoLeaf) {
             EXPECT_EQ(red[entry], plain[entry]) << "the entry of a child node changed";
             continue;
         }
         const size_t bone = reference::nearest_bone(capsules_of(bones), middle_of(tree, positions[leaf]));
-        leaves_of_bone[bone]++;
+        ++leaves_of_bone[bone];
         const double tint = std::round(255.0 * tints[bone]) / 255;
         const glm::dvec3 truth = reference::tinted(colour_of(plain[entry]), tint);
         EXPECT_LT(glm::length(colour_of(red[entry]) - truth), 1e-3) << "leaf " << leaf;
         EXPECT_EQ(red[entry].x & 0xffffu, plain[entry].x & 0xffffu) << "the density changed";
     }
-    for (size_t bone = 0; bone < bones.size(); bone++) EXPECT_GT(leaves_of_bone[bone], 5u) << "bone " << bone;
+    for (size_t bone = 0; bone < bones.size(); ++bone) EXPECT_GT(leaves_of_bone[bone], 5u) << "bone " << bone;
 }
 
 TEST_F(HighlightTest, ASliceIsBoundAgainOnlyWhereItOrTheBonesChanged) {
@@ -132,8 +132,8 @@ void expect_only_the_first_is_red(const gpu::Device& device, float apart) {
     settings.instances[0].highlight = std::make_shared<render::Highlight>(highlight);
     const media::Image red = renderer.render(camera, settings);
     uint32_t redder = 0;
-    for (uint32_t y = 0; y < kHeight; y++)
-        for (uint32_t x = 0; x < kWidth; x++) {
+    for (uint32_t y = 0; y < kHeight; ++y)
+        for (uint32_t x = 0; x < kWidth; ++x) {
             const size_t at = 4 * (size_t{y} * kWidth + x);
             const int gained = red.rgba[at] - plain.rgba[at], lost = plain.rgba[at + 1] - red.rgba[at + 1];
             if (x < kWidth / 2) {

@@ -28,7 +28,7 @@ std::vector<render::Instance> a_crowd() {
         {0.0f, placed({0.4f, 0.2f, -0.3f}, 0.7f, glm::vec3(1.2f, 0.8f, 1)), 0, 0, 1},
         {2.0f, placed({-0.5f, 0.1f, 0.2f}, -1.1f, glm::vec3(-0.9f, 0.9f, 1.1f)), 0, 0, 0.6f, 0.7f},
         {0.5f, placed({-1, 0.3f, -5}, 2, glm::vec3(2)), 0, 0, 1, 1.5f}};
-    for (uint32_t i = 0; i < crowd.size(); i++) crowd[i].performer = i;
+    for (uint32_t i = 0; i < crowd.size(); ++i) crowd[i].performer = i;
     return crowd;
 }
 
@@ -60,7 +60,7 @@ class Truth {
     std::vector<std::vector<reference::Sample>> samples(const reference::Ray& ray) const {
         std::vector<std::vector<reference::Sample>> all;
         const std::vector<render::Instance> crowd = a_crowd();
-        for (size_t i = 0; i < crowd.size(); i++) {
+        for (size_t i = 0; i < crowd.size(); ++i) {
             const glm::dmat4 performer_from_world = glm::inverse(glm::dmat4(crowd[i].world_from_performer));
             reference::Ray own = ray;
             own.origin = glm::dvec3(performer_from_world * glm::dvec4(ray.origin, 1));
@@ -81,8 +81,8 @@ class Truth {
 // How much of the ray's end each performer is: what is white where the others are black.
 std::vector<double> shares_of(std::vector<std::vector<reference::Sample>> samples) {
     std::vector<double> shares;
-    for (size_t white = 0; white < samples.size(); white++) {
-        for (size_t i = 0; i < samples.size(); i++)
+    for (size_t white = 0; white < samples.size(); ++white) {
+        for (size_t i = 0; i < samples.size(); ++i)
             for (reference::Sample& sample : samples[i]) sample.colour = glm::dvec3(i == white ? 1 : 0);
         shares.push_back(reference::composite(reference::merge(samples)).colour.r);
     }
@@ -103,7 +103,7 @@ glm::dvec4 composited(std::span<const media::DeepSample> samples) {
     glm::dvec4 sum(0);
     for (const media::DeepSample& sample : samples) {
         const double through = 1 - sum.a;
-        for (int c = 0; c < 4; c++) sum[c] += through * double{sample.rgba[static_cast<size_t>(c)]};
+        for (int c = 0; c < 4; ++c) sum[c] += through * double{sample.rgba[static_cast<size_t>(c)]};
     }
     return sum;
 }
@@ -152,7 +152,7 @@ TEST_F(ImageLayersTest, OneRayAPixelIsTheReference) {
     EXPECT_EQ(drawn.layers.ids.names, (std::vector<std::string>{"anna", "berta", "carla"}));
     double worst_share = 0, worst_depth = 0, worst_cut = 0, seen = 0;
     auto at = drawn.layers.deep.samples.begin();
-    for (size_t i = 0; i < drawn.layers.deep.counts.size(); i++) {
+    for (size_t i = 0; i < drawn.layers.deep.counts.size(); ++i) {
         const std::span samples(at, drawn.layers.deep.counts[i]);
         at += drawn.layers.deep.counts[i];
         const auto ray =
@@ -184,11 +184,11 @@ TEST_F(ImageLayersTest, DeepSamplesAreTheFlatImage) {
         double worst = 0, worst_sum = 0;
         size_t most = 0;
         auto at = drawn.layers.deep.samples.begin();
-        for (size_t i = 0; i < drawn.layers.deep.counts.size(); i++) {
+        for (size_t i = 0; i < drawn.layers.deep.counts.size(); ++i) {
             const glm::dvec4 sum = composited({at, drawn.layers.deep.counts[i]});
             at += drawn.layers.deep.counts[i];
             most = std::max<size_t>(most, drawn.layers.deep.counts[i]);
-            for (int c = 0; c < 4; c++)
+            for (int c = 0; c < 4; ++c)
                 raise(worst, std::abs(sum[c] - double{drawn.flat.rgba[4 * i + static_cast<size_t>(c)]}));
             double covered = 0;
             for (const char* name : {"anna", "berta", "carla"}) covered += coverage_of(drawn.layers, i, name);
@@ -211,7 +211,7 @@ TEST_F(ImageLayersTest, TheSetIsASurfaceWithAName) {
     const Drawn drawn = draw(device(), a_tree(), 1, set);
     size_t clear = 0;
     auto at = drawn.layers.deep.samples.begin();
-    for (size_t i = 0; i < drawn.layers.deep.counts.size(); i++) {
+    for (size_t i = 0; i < drawn.layers.deep.counts.size(); ++i) {
         const std::span samples(at, drawn.layers.deep.counts[i]);
         at += drawn.layers.deep.counts[i];
         const double alpha = double{drawn.flat.rgba[4 * i + 3]}, covered = coverage_of(drawn.layers, i, "set");
@@ -223,7 +223,7 @@ TEST_F(ImageLayersTest, TheSetIsASurfaceWithAName) {
         ASSERT_FALSE(samples.empty());
         EXPECT_NEAR(composited(samples).r, double{drawn.flat.rgba[4 * i]} + 0.3 * (1 - alpha), 1.0 / 1024) << i;
         if (samples.size() == render::kDeepSamples || 1 - alpha < 4 * double{render::kDeepError}) continue;
-        clear++;
+        ++clear;
         EXPECT_EQ(samples.back().near_m, 20) << i;
         EXPECT_EQ(samples.back().far_m, 20) << i;
         EXPECT_NEAR(samples.back().rgba[3], 0.75, 1e-3) << i;

@@ -25,8 +25,8 @@ using InspectTest = GpuTest;
 // Dense enough that most rays that meet leaves pass alpha 0.5, some of them not in their first leaf.
 voctree::VOctree dense_tree(uint64_t seed, uint32_t node_levels) {
     voctree::VOctree tree = random_tree({.seed = seed, .node_levels = node_levels, .leaves = 1500});
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-        for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 8;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+        for (uint32_t c = 0; c < tree.bases; ++c) tree.leaf(leaf)[c] *= 8;
     return tree;
 }
 
@@ -62,8 +62,8 @@ Rays inspect_on_device(const gpu::Device& device, render::FrameRenderer& rendere
     const uint32_t across = (kWidth + kTile - 1) / kTile, down = (kHeight + kTile - 1) / kTile;
     std::vector<glm::uvec2> tiles(size_t{across} * down);
     gpu::download(device, renderer.ranges().ranges, tiles.data(), tiles.size() * sizeof(glm::uvec2));
-    for (uint32_t y = 0; y < kHeight; y++)
-        for (uint32_t x = 0; x < kWidth; x++) rays.ranges.push_back(range_of(tiles[y / kTile * across + x / kTile]));
+    for (uint32_t y = 0; y < kHeight; ++y)
+        for (uint32_t x = 0; x < kWidth; ++x) rays.ranges.push_back(range_of(tiles[y / kTile * across + x / kTile]));
     return rays;
 }
 
@@ -110,7 +110,7 @@ struct Agreement {
 
 Agreement compare(const Truth& truth, const stage::Camera& camera, const render::Instance& instance, const Rays& rays) {
     Agreement agreement;
-    for (uint32_t i = 0; i < kWidth * kHeight; i++) {
+    for (uint32_t i = 0; i < kWidth * kHeight; ++i) {
         const reference::Inspected one = truth.at(camera, instance, i % kWidth, i / kWidth, rays.ranges[i]);
         (one.level > 0 ? agreement.met : agreement.missed)++;
         const auto level = static_cast<uint32_t>(rays.walks[i].x), steps = static_cast<uint32_t>(rays.walks[i].y);
@@ -180,7 +180,7 @@ TEST_F(InspectTest, CostsOfInstancesAddAndTheNearestLevelShows) {
             };
             const Rays both = inspected({there, here}), first = inspected({here}), second = inspected({there});
             uint32_t others = 0, twice = 0, hidden = 0;
-            for (uint32_t i = 0; i < kWidth * kHeight; i++) {
+            for (uint32_t i = 0; i < kWidth * kHeight; ++i) {
                 const uint32_t x = i % kWidth, y = i / kWidth;
                 const reference::Inspected near = truth.at(camera, here, x, y, first.ranges[i]);
                 const reference::Inspected far = truth.at(camera, there, x, y, second.ranges[i]);
@@ -191,7 +191,7 @@ TEST_F(InspectTest, CostsOfInstancesAddAndTheNearestLevelShows) {
                 const double begins = 1.2 * second.ranges[i].enter;
                 if (near.alpha > 1 - double{render::kStopTransmittance} && near.distance_m < begins && far.nodes > 0) {
                     steps = near.nodes + near.leaves;
-                    hidden++;
+                    ++hidden;
                 }
                 const bool same = static_cast<uint32_t>(both.walks[i].x) == (nearer ? near.level : far.level) &&
                                   static_cast<uint32_t>(both.walks[i].y) == steps;
@@ -206,7 +206,7 @@ TEST_F(InspectTest, CostsOfInstancesAddAndTheNearestLevelShows) {
 
 void expect_colour(const uint8_t* pixel, bool any, double value) {
     const glm::dvec3 wanted = any ? reference::viridis(glm::clamp(value, 0.0, 1.0)) : glm::dvec3(0);
-    for (int channel = 0; channel < 3; channel++) EXPECT_NEAR(pixel[channel], 255 * wanted[channel], 0.75);
+    for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(pixel[channel], 255 * wanted[channel], 0.75);
     EXPECT_EQ(pixel[3], 255);
 }
 
@@ -229,10 +229,10 @@ TEST_F(InspectTest, PicturesShowLevelsAndCostsByTheMap) {
             const media::Image image = renderer.render(camera, settings);
             const std::vector<glm::vec4> walks = renderer.radiance();
             const std::vector<float> metres = renderer.depth();
-            for (uint32_t y = 0; y < kHeight; y++)
-                for (uint32_t x = 0; x < kWidth; x++) {
+            for (uint32_t y = 0; y < kHeight; ++y)
+                for (uint32_t x = 0; x < kWidth; ++x) {
                     double level = 0, nearest = INFINITY, steps = 0;
-                    for (uint32_t i = 0; i < samples * samples; i++) {
+                    for (uint32_t i = 0; i < samples * samples; ++i) {
                         const size_t ray =
                             size_t{samples * y + i / samples} * samples * kWidth + samples * x + i % samples;
                         steps += double{walks[ray].y} / (samples * samples);
@@ -252,13 +252,13 @@ TEST_F(InspectTest, TheMapIsViridis) {
     const std::pair<int, glm::dvec3> table[] = {
         {0, {68, 1, 84}}, {64, {59, 82, 139}}, {128, {33, 145, 140}}, {191, {92, 200, 99}}, {255, {253, 231, 37}}};
     for (const auto& [at, colour] : table)
-        for (int channel = 0; channel < 3; channel++)
+        for (int channel = 0; channel < 3; ++channel)
             EXPECT_NEAR(255 * reference::viridis(at / 255.0)[channel], colour[channel], 3) << at;
     double last = 0;
-    for (int at = 0; at <= 255; at++) {
+    for (int at = 0; at <= 255; ++at) {
         const glm::dvec3 colour = reference::viridis(at / 255.0);
         double light = 0;  // luminance, by the weights of sRGB's primaries
-        for (int channel = 0; channel < 3; channel++)
+        for (int channel = 0; channel < 3; ++channel)
             light += glm::dvec3(0.2126, 0.7152, 0.0722)[channel] * std::pow(colour[channel], 2.2);
         EXPECT_GT(light, last) << at;
         last = light;
@@ -280,8 +280,8 @@ TEST_F(InspectTest, FewerRaysThanPixelsShowTheNearest) {
         return static_cast<size_t>((pixel + 0.5) * std::ceil(0.5 * pixels) / pixels);
     };
     ASSERT_EQ(walks.size(), across * static_cast<size_t>(std::ceil(0.5 * kHeight)));
-    for (uint32_t y = 0; y < kHeight; y++)
-        for (uint32_t x = 0; x < kWidth; x++) {
+    for (uint32_t y = 0; y < kHeight; ++y)
+        for (uint32_t x = 0; x < kWidth; ++x) {
             const double steps = double{walks[ray_of(y, kHeight) * across + ray_of(x, kWidth)].y};
             expect_colour(image.at(x, y), steps > 0, steps / 20);
         }

@@ -53,11 +53,11 @@ Traced compose_by_reference(const voctree::VOctree& tree, std::vector<render::In
     std::vector<std::vector<reference::LeafSlice>> slices;
     for (const render::Instance& instance : instances) slices.push_back(reference::slice_tree(tree, instance.frame));
     Traced traced;
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
+    for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x) {
             glm::dvec4 sum(0);
             double depth = INFINITY;
-            for (size_t i = 0; i < instances.size(); i++) {
+            for (size_t i = 0; i < instances.size(); ++i) {
                 const reference::RayResult layer =
                     trace_instance(tree, slices[i], instances[i], reference::camera_ray(camera, x, y));
                 const glm::dvec4 light(layer.colour, layer.alpha);
@@ -122,8 +122,8 @@ TEST_F(InstancesTest, StandAndMoveAsTheirTransformsAndTimesSayWhateverTheBudget)
 
 TEST_F(InstancesTest, WhatStandsBehindSomethingSolidChangesLessThanAStep) {
     voctree::VOctree tree = random_tree({.seed = 5, .node_levels = 3, .leaves = 3000, .hh_degree = 1});
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-        for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 30;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+        for (uint32_t c = 0; c < tree.bases; ++c) tree.leaf(leaf)[c] *= 30;
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const std::vector<render::Instance> row = {{1, glm::mat4(1)},
                                                {1, placed({-0.4f, -0.3f, -4}, 0, glm::vec3(1.2f))},
@@ -149,7 +149,7 @@ TEST_F(InstancesTest, ViewsOfOneFrameAreTheirPicturesAlone) {
         EXPECT_EQ(passes(both, "trace"), a_stage().size()) << "both eyes in one dispatch";
         ASSERT_EQ(images.size(), 2u);
         EXPECT_NE(images[0].rgba, images[1].rgba);
-        for (uint32_t view = 0; view < 2; view++) {
+        for (uint32_t view = 0; view < 2; ++view) {
             EXPECT_EQ(images[view].rgba, alone.render(eyes[view], settings).rgba) << "view " << view;
             EXPECT_EQ(both.radiance(view), alone.radiance());
         }
@@ -164,7 +164,7 @@ TEST_F(InstancesTest, EveryViewHasItsShadedLeaves) {
     const render::FrameSettings settings = settings_of(a_stage(), render::TraceMode::kShaded);
     const std::vector<media::Image> images = both.render_views(eyes, settings);
     EXPECT_EQ(passes(both, "shade"), 2 * a_stage().size());
-    for (uint32_t view = 0; view < 2; view++) {
+    for (uint32_t view = 0; view < 2; ++view) {
         EXPECT_EQ(images[view].rgba, alone.render(eyes[view], settings).rgba) << "view " << view;
         EXPECT_NE(images[view].rgba, alone.render(eyes[view], settings_of(a_stage(), render::TraceMode::kTree)).rgba)
             << "nothing is shaded";
@@ -176,7 +176,7 @@ TEST_F(InstancesTest, CopiesCostNoMemoryBeyondTheBudget) {
         random_tree({.seed = 8, .node_levels = 4, .leaves = 20000, .hh_degree = 2, .frames = 40});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     std::vector<render::Instance> copies;
-    for (int i = 0; i < 16; i++)
+    for (int i = 0; i < 16; ++i)
         copies.push_back({2.4f * static_cast<float>(i),
                           placed({2.5f * static_cast<float>(i % 4), 0, -2.5f * static_cast<float>(i / 4)},
                                  static_cast<float>(i), glm::vec3(1))});
@@ -213,7 +213,7 @@ TEST_F(InstancesTest, SlicesBuiltAheadAreThoseBuiltWhenNeeded) {
     for (const bool disturbed : {false, true}) {
         render::FrameRenderer renderer(device(), field, {kWidth, kHeight}), fresh(device(), field, {kWidth, kHeight});
         draw(renderer, 0, {});
-        for (uint32_t part = 0; part < 4; part++) {
+        for (uint32_t part = 0; part < 4; ++part) {
             draw(renderer, 0, {1.5f, 3});
             EXPECT_EQ(slice_passes(renderer), 1u) << "part " << part;
         }
@@ -221,7 +221,7 @@ TEST_F(InstancesTest, SlicesBuiltAheadAreThoseBuiltWhenNeeded) {
             EXPECT_EQ(draw(renderer, 2, {}), draw(fresh, 2, {}));
         }
         const uint32_t left = disturbed ? render::kSliceParts : render::kSliceParts - 4;
-        for (uint32_t part = 0; part < left; part++) draw(renderer, 0, {1.5f, 3});
+        for (uint32_t part = 0; part < left; ++part) draw(renderer, 0, {1.5f, 3});
         EXPECT_EQ(draw(renderer, 1.5f, {}), draw(fresh, 1.5f, {}));
         EXPECT_EQ(slice_passes(renderer), 0u) << "it was ready";
         draw(renderer, 0, {3});
@@ -245,7 +245,7 @@ TEST_F(InstancesTest, WhatCannotBeDrawnIsRefused) {
     EXPECT_THROW(draw({{0, glm::mat4(NAN)}}), RuntimeFailure);
     EXPECT_THROW(draw(std::vector<render::Instance>(render::kMaxInstances + 1)), RuntimeFailure);
     stage::Camera other = camera;
-    other.width++;
+    ++other.width;
     EXPECT_THROW(renderer.render(other, settings_of(std::vector<render::Instance>(1), render::TraceMode::kPlay)),
                  RuntimeFailure);
     const stage::Camera two[] = {camera, camera};

@@ -18,7 +18,7 @@ void main() {
     const uint index = gl_GlobalInvocationID.x;
     if (index >= push.positions) return;
     const vec3 world = texelFetch(positions, int(index)).xyz;
-    for (uint i = 0u; i < lights.count; i++) {
+    for (uint i = 0u; i < lights.count; ++i) {
         vec3 to_light;
         const vec3 light = light_at(lights.light[i], world, to_light);
         const int at = int(2u * (index * lights.count + i));

@@ -66,7 +66,7 @@ struct FewSlices : GpuTest {
     }
     void expect_same(const std::vector<media::Image>& found) const {
         ASSERT_EQ(found.size(), expected.size());
-        for (size_t i = 0; i < found.size(); i++) EXPECT_EQ(found[i].rgba, expected[i].rgba) << i;
+        for (size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].rgba, expected[i].rgba) << i;
     }
     uint32_t slices() const { return limited.performer()->slices()->trees().slices; }
 };
@@ -122,8 +122,8 @@ TEST_F(FewSlices, AreNotEnoughWhereOneDoesNotFit) {
 
 // Slices have room for a part of a clip's leaves; where a frame has more live leaves, they need more room later.
 TEST_F(FewSlices, GrowWithinTheMemory) {
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)  // all leaves live at all times
-        for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] = std::abs(tree.leaf(leaf)[c]);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)  // all leaves live at all times
+        for (uint32_t c = 0; c < tree.bases; ++c) tree.leaf(leaf)[c] = std::abs(tree.leaf(leaf)[c]);
     for (float& value : tree.sigma_basis) value = std::abs(value);
     field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     render::FrameRenderer plenty(device(), field, {kSide, kSide}), short_of(device(), field, {kSide, kSide});

@@ -26,7 +26,7 @@ reference::RayResult march_together(const std::vector<const voctree::VOctree*>& 
                                     const std::vector<std::vector<reference::LeafSlice>>& slices,
                                     const reference::Ray& ray) {
     std::vector<std::vector<reference::Sample>> all;
-    for (size_t i = 0; i < instances.size(); i++) {
+    for (size_t i = 0; i < instances.size(); ++i) {
         const glm::dmat4 performer_from_world = glm::inverse(glm::dmat4(instances[i].world_from_performer));
         reference::Ray own = ray;
         own.origin = glm::dvec3(performer_from_world * glm::dvec4(ray.origin, 1));
@@ -45,8 +45,8 @@ Traced together_by_reference(const std::vector<const voctree::VOctree*>& trees,
     for (const render::Instance& instance : instances)
         slices.push_back(reference::slice_tree(*trees[instance.field], instance.frame));
     Traced traced;
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
+    for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x) {
             const reference::RayResult ray =
                 march_together(trees, instances, slices, reference::camera_ray(camera, x, y));
             traced.radiance.emplace_back(glm::vec3(ray.colour), static_cast<float>(ray.alpha));
@@ -119,7 +119,7 @@ TEST_F(MergeTest, ThePapersBlendIsWrongWhereInstancesStandInEachOther) {
     EXPECT_GT(found.steps, 10);
     RecordProperty("worst_steps_of_255", std::to_string(found.steps));
     double mean = 0;
-    for (size_t i = 0; i < truth.radiance.size(); i++)
+    for (size_t i = 0; i < truth.radiance.size(); ++i)
         mean += glm::length(glm::vec3(renderer.radiance()[i]) - glm::vec3(truth.radiance[i]));
     RecordProperty("mean_linear", std::to_string(mean / static_cast<double>(truth.radiance.size())));
 }
@@ -217,7 +217,7 @@ TEST_F(MergeTest, AnOpacityOfOneIsTheSolidInstanceAndOfNoneIsNothing) {
         return renderer.radiance();
     };
     const std::vector<glm::vec4> solid = radiance(1), half = radiance(0.5f);
-    for (size_t i = 0; i < solid.size(); i++) EXPECT_LE(glm::length(half[i] - 0.5f * solid[i]), 1e-6f) << "ray " << i;
+    for (size_t i = 0; i < solid.size(); ++i) EXPECT_LE(glm::length(half[i] - 0.5f * solid[i]), 1e-6f) << "ray " << i;
     for (const glm::vec4& ray : radiance(0)) EXPECT_EQ(ray, glm::vec4(0));
 }
 
@@ -275,7 +275,7 @@ TEST(DrawOrder, TurnedBoxesPartAlongAnEdgeOfEach) {
 // Three beams, each before the next one at one end and behind the third one at the other.
 TEST(DrawOrder, BoxesThatCoverEachOtherInACircleAreOneGroup) {
     std::vector<render::TransformedBox> beams;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const double angle = 2 * std::numbers::pi * i / 3;
         const glm::dvec3 along(std::cos(angle), std::sin(angle), 0.35), across(-std::sin(angle), std::cos(angle), 0);
         const glm::dvec3 middle = glm::dvec3(0, 0, -8) + 0.6 * across;
@@ -296,9 +296,9 @@ TEST(DrawOrder, MustHoldForAllEyes) {
 TEST(DrawOrder, HoldsAlongEveryLine) {
     Random random(5);
     uint32_t met = 0, groups_of_one = 0;
-    for (int scene = 0; scene < 20; scene++) {
+    for (int scene = 0; scene < 20; ++scene) {
         std::vector<render::TransformedBox> boxes;
-        for (int i = 0; i < 12; i++) {
+        for (int i = 0; i < 12; ++i) {
             const auto vector = [&](double size) {
                 return glm::dvec3(random.uniform(-size, size), random.uniform(-size, size),
                                   random.uniform(-size, size));
@@ -309,7 +309,7 @@ TEST(DrawOrder, HoldsAlongEveryLine) {
         const glm::dvec3 eye(0, 0, 9);
         const Groups groups = render::draw_order(boxes, std::vector{eye});
         for (const auto& group : groups) groups_of_one += group.size() == 1;
-        for (int line = 0; line < 300; line++) {
+        for (int line = 0; line < 300; ++line) {
             const glm::dvec3 direction =
                 glm::normalize(glm::dvec3(random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-4, 4)) - eye);
             double end_of_nearer = 0;
@@ -326,7 +326,7 @@ TEST(DrawOrder, HoldsAlongEveryLine) {
                     if (first >= last) continue;
                     begin = std::min(begin, first);
                     end = std::max(end, last);
-                    met++;
+                    ++met;
                 }
                 if (begin > end) continue;
                 EXPECT_GE(begin, end_of_nearer - 1e-9) << "scene " << scene << ", line " << line;

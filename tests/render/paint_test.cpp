@@ -26,7 +26,7 @@ double as_half(double value) {
 // Blends of edits that cover each other, so that colours do not have few bits.
 void round_to_halves(voctree::EditLayer& layer) {
     for (voctree::LeafEdit& edit : layer.edits) {
-        for (int c = 0; c < 3; c++) edit.colour[c] = static_cast<float>(as_half(double{edit.colour[c]}));
+        for (int c = 0; c < 3; ++c) edit.colour[c] = static_cast<float>(as_half(double{edit.colour[c]}));
         edit.alpha = static_cast<float>(as_half(double{edit.alpha}));
     }
 }
@@ -53,7 +53,7 @@ struct PaintTest : GpuTest {
         const render::SlicePaint bound(painter, paint);
         gpu::run_once(device(), "slice", [&](gpu::Commands& commands) {
             if (!in_parts) render::record_slice_tree(commands, slicer, 0, frame, &bound);
-            for (uint32_t part = 0; in_parts && part < render::kSliceParts; part++)
+            for (uint32_t part = 0; in_parts && part < render::kSliceParts; ++part)
                 render::record_slice_part(commands, slicer, 0, frame, part, &bound);
         });
         const HostTree host = download_tree(device(), field, sliced);
@@ -65,7 +65,7 @@ struct PaintTest : GpuTest {
         TreeCheck check{host, tree, truth};
         check.min_scale = 4;  // terms may cancel where a colour becomes grey
         check.visit(0, 0);
-        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
             EXPECT_EQ(check.met[leaf], truth[leaf].sigma > 0) << "leaf " << leaf;
         EXPECT_EQ(check.entries, host.count.slots);
         // fp16 rounds numbers by up to 2^-11 of their value, before and after paint. Mean colours are compared as
@@ -79,14 +79,14 @@ constexpr double kWorstEntry = 1;
 
 TEST_F(PaintTest, EveryEntryIsAsTheReferencePaintsIt) {
     constexpr uint32_t kLevels[] = {1, 2, 4, 3};
-    for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
+    for (uint32_t degree = 0; degree <= kMaxHhDegree; ++degree) {
         const voctree::VOctree tree = random_tree(
             {.seed = degree + 40, .node_levels = kLevels[degree], .leaves = 600, .bases = 5, .hh_degree = degree});
         Random random(degree);
         std::vector<voctree::EditLayer> layers;
-        for (uint32_t i = 0; i < kBlends; i++) layers.push_back(random_layer(tree, random));
+        for (uint32_t i = 0; i < kBlends; ++i) layers.push_back(random_layer(tree, random));
         for (voctree::EditLayer& layer : layers) round_to_halves(layer);
-        for (uint32_t mode = 0; mode < kBlends; mode++)
+        for (uint32_t mode = 0; mode < kBlends; ++mode)
             for (const float frame : {0.0f, 2.5f, 4.0f}) {
                 SCOPED_TRACE(testing::Message() << "degree " << degree << " blend " << mode << " frame " << frame);
                 const std::vector<render::PaintUse> one = {{&layers[mode], static_cast<stage::PaintBlend>(mode), 1}};
@@ -105,7 +105,7 @@ TEST_F(PaintTest, EveryEntryIsAsTheReferencePaintsIt) {
 TEST_F(PaintTest, WhatBeginsJustBehindFrame0DoesNotApplyThere) {
     const voctree::VOctree tree = random_tree({.leaves = 200, .bases = 3});
     voctree::EditLayer behind{voctree::painted_field(tree), {}};
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
         behind.edits.push_back({leaf, std::numeric_limits<float>::denorm_min(), 1, {0, 0, 1}, 1, voctree::kKeepSigma});
     voctree::EditLayer from_0 = behind;
     for (voctree::LeafEdit& edit : from_0.edits) edit.first = -0.0f;
@@ -159,7 +159,7 @@ struct Copies {
     voctree::VOctree tree = random_tree({.seed = 9, .node_levels = 3, .leaves = 3000, .bases = 5, .hh_degree = 1});
     voctree::EditLayer red{voctree::painted_field(tree), {}}, gone{voctree::painted_field(tree), {}};
     Copies() {
-        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
             red.edits.push_back({leaf, 0, 4, {1, 0, 0}, 1});
             if (leaf % 2) gone.edits.push_back({leaf, 0, 4, glm::vec3(0), 0, 0});
         }
@@ -191,8 +191,8 @@ TEST_F(PaintTest, CopiesArePaintedEachForItselfAndTheOthersNotAtAll) {
         const media::Image without =
             plain.render(stage_camera(), settings_of({{1.5f, at(-3.2f)}, {1.5f, at(0)}, {1.5f, at(3.2f)}}, mode));
         bool same_left = true;
-        for (uint32_t y = 0; y < kHeight; y++)
-            for (uint32_t x = 0; x < kWidth; x++) {
+        for (uint32_t y = 0; y < kHeight; ++y)
+            for (uint32_t x = 0; x < kWidth; ++x) {
                 const bool same = std::equal(with.at(x, y), with.at(x, y) + 4, without.at(x, y));
                 EXPECT_TRUE(same || x <= 46) << x << " " << y;
                 if (x < 15) same_left &= same;
@@ -215,7 +215,7 @@ TEST_F(PaintTest, IsSeenWhateverTheBudget) {
         const uint32_t ids[] = {paints.add({&red, 1}), paints.add({&gone, 1}), paints.add(both)};
         const render::FrameSettings settings = settings_of(
             {{1, at(-3), ids[0]}, {1, at(-1), ids[1]}, {1, at(1), ids[2]}, {1, at(2), ids[0]}, {2.5f, at(3), ids[0]}});
-        for (int again = 0; again < 2; again++) {
+        for (int again = 0; again < 2; ++again) {
             const std::pmr::vector<uint8_t> image = renderer.render(stage_camera(), settings).rgba;
             if (truth.empty()) truth = image;
             EXPECT_EQ(image, truth);
@@ -243,17 +243,17 @@ TEST_F(PaintTest, IsSeenWhateverTheBudget) {
 // Paint revives nearly all leaves: more than slices have room for at first, wherever they are built.
 TEST_F(PaintTest, RevivedLeavesFindRoom) {
     voctree::VOctree tree = random_tree({.seed = 12, .node_levels = 4, .leaves = 12000, .hh_degree = 1, .frames = 8});
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) std::fill_n(tree.leaf(leaf), tree.bases, 0.0f);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) std::fill_n(tree.leaf(leaf), tree.bases, 0.0f);
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     voctree::EditLayer layer{voctree::painted_field(tree), {}};
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
         layer.edits.push_back({leaf, 2, 3, {0, leaf % 2 ? 1.0f : 0.5f, 0}, 0.5f, 2});
     std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 2.5);
     reference::paint(slices, 1, {{&layer}}, 2.5);
     const stage::Camera camera = look_at({0.2, 1.5, 5}, {0, 0.4, 0}, kWidth, kHeight, 1.0);
     Traced truth;
-    for (uint32_t y = 0; y < kHeight; y++)
-        for (uint32_t x = 0; x < kWidth; x++) {
+    for (uint32_t y = 0; y < kHeight; ++y)
+        for (uint32_t x = 0; x < kWidth; ++x) {
             const reference::RayResult ray = reference::trace(tree, slices, reference::camera_ray(camera, x, y));
             truth.radiance.emplace_back(glm::vec3(ray.colour), static_cast<float>(ray.alpha));
             truth.depth.push_back(static_cast<float>(ray.depth_m));
@@ -285,7 +285,7 @@ TEST_F(PaintTest, SlicesBuiltAheadArePainted) {
     render::FrameSettings settings = settings_of({{0, glm::mat4(1), paint}});
     settings.next_instances = {{2.5f, glm::mat4(1), paint}};
     settings.prefetch_parts = 1;
-    for (uint32_t part = 0; part < render::kSliceParts; part++) ahead.render(stage_camera(), settings);
+    for (uint32_t part = 0; part < render::kSliceParts; ++part) ahead.render(stage_camera(), settings);
     const render::FrameSettings later = settings_of({{2.5f, glm::mat4(1), paint}});
     EXPECT_EQ(ahead.render(stage_camera(), later).rgba, fresh.render(stage_camera(), later).rgba);
     EXPECT_EQ(passes(ahead, "slice nodes"), 0u) << "it was ready";

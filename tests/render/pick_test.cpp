@@ -24,16 +24,16 @@ struct Agreement {
 Agreement compare(const voctree::VOctree& tree, const std::vector<reference::LeafSlice>& slices,
                   const stage::Camera& camera, const std::vector<render::Picked>& picked, double alpha) {
     Agreement agreement;
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
+    for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x) {
             const auto truth = reference::pick(tree, slices, reference::camera_ray(camera, x, y), alpha);
             const render::Picked& found = picked[size_t{y} * camera.width + x];
             (truth ? agreement.hits : agreement.misses)++;
-            if (truth.has_value() != found.hit() || (truth && truth->leaf != found.leaf)) agreement.others++;
+            if (truth.has_value() != found.hit() || (truth && truth->leaf != found.leaf)) ++agreement.others;
             if (truth && found.hit())
                 agreement.worst_m = std::max(agreement.worst_m, std::abs(truth->distance_m - double{found.distance_m}));
             if (truth && found.hit())
-                for (int channel = 0; channel < 3; channel++)
+                for (int channel = 0; channel < 3; ++channel)
                     agreement.worst_colour = std::max(agreement.worst_colour,
                                                       std::abs(truth->colour[channel] - double{found.colour[channel]}));
         }
@@ -41,16 +41,16 @@ Agreement compare(const voctree::VOctree& tree, const std::vector<reference::Lea
 }
 
 TEST_F(PickTest, FindsTheLeafWhereAlphaPassesAndHowFarThatIs) {
-    for (uint32_t degree = 0; degree <= 2; degree++) {
+    for (uint32_t degree = 0; degree <= 2; ++degree) {
         voctree::VOctree tree =
             random_tree({.seed = degree + 3, .node_levels = 3, .leaves = 1500, .hh_degree = degree});
-        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-            for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 10;
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+            for (uint32_t c = 0; c < tree.bases; ++c) tree.leaf(leaf)[c] *= 10;
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
         const stage::Camera camera = look_at({2.2, 1.9, 2.6}, {0, 0.4, 0}, 57, 41, 1.1);
         std::vector<PickRay> rays;
-        for (uint32_t y = 0; y < camera.height; y++)
-            for (uint32_t x = 0; x < camera.width; x++) rays.push_back(render::pick_ray(camera, {x + 0.5, y + 0.5}));
+        for (uint32_t y = 0; y < camera.height; ++y)
+            for (uint32_t x = 0; x < camera.width; ++x) rays.push_back(render::pick_ray(camera, {x + 0.5, y + 0.5}));
         voctree::EditLayer layer{voctree::painted_field(tree), {}};
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3)
             layer.edits.push_back({leaf, 0, 4, glm::vec3(0), 0, leaf % 2 ? 8.0f : 0.0f});
@@ -85,8 +85,8 @@ TEST_F(PickTest, ColoursOfPlenOctreesAreLinear) {
     const render::Field srgb = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const stage::Camera camera = look_at({2.2, 1.9, 2.6}, {0, 0.4, 0}, 57, 41, 1.1);
     std::vector<PickRay> rays;
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) rays.push_back(render::pick_ray(camera, {x + 0.5, y + 0.5}));
+    for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x) rays.push_back(render::pick_ray(camera, {x + 0.5, y + 0.5}));
     const auto picked = [&](const render::Field& field) {
         render::Picker picker(device(), field, render::PickColours::kYes);
         picker.show(1.5f, {});
@@ -94,10 +94,10 @@ TEST_F(PickTest, ColoursOfPlenOctreesAreLinear) {
     };
     const auto summed = picked(linear), found = picked(srgb);
     size_t hits = 0;
-    for (size_t i = 0; i < rays.size(); i++) {
+    for (size_t i = 0; i < rays.size(); ++i) {
         if (!found[i].hit()) continue;
-        hits++;
-        for (int c = 0; c < 3; c++)
+        ++hits;
+        for (int c = 0; c < 3; ++c)
             EXPECT_NEAR(double{found[i].colour[c]}, media::linear_from_srgb(double{summed[i].colour[c]}), 2e-3);
     }
     EXPECT_GT(hits, 100u);

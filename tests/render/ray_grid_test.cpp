@@ -77,8 +77,8 @@ TEST_F(RayGridTest, RaysStandWhereTheGridSays) {
         const std::vector<glm::vec4> light = renderer.radiance();
         ASSERT_EQ(light.size(), size_t{grid.rays.x} * grid.rays.y);
         double alpha = 0;
-        for (uint32_t y = 0; y < grid.rays.y; y++)
-            for (uint32_t x = 0; x < grid.rays.x; x++) {
+        for (uint32_t y = 0; y < grid.rays.y; ++y)
+            for (uint32_t x = 0; x < grid.rays.x; ++x) {
                 const reference::Ray ray =
                     reference::camera_ray(camera, render::pixel_of_ray(grid.across, x + 0.5) - 0.5,
                                           render::pixel_of_ray(grid.downwards, y + 0.5) - 0.5);
@@ -111,9 +111,9 @@ struct Filter {
     glm::dvec4 between(glm::dvec2 position) const {
         const glm::dvec2 first = glm::floor(position - 0.5), part = position - 0.5 - first;
         glm::dvec4 rows[4];
-        for (int y = 0; y < 4; y++) {
+        for (int y = 0; y < 4; ++y) {
             glm::dvec4 row[4];
-            for (int x = 0; x < 4; x++)
+            for (int x = 0; x < 4; ++x)
                 row[x] = at(static_cast<int>(first.x) + x - 1, static_cast<int>(first.y) + y - 1);
             rows[y] = clamped(weights(part.x), row);
         }
@@ -135,11 +135,11 @@ TEST_F(RayGridTest, PicturesAreUpscaledByCatmullRomWithoutHalos) {
             render::ray_grid(kWidth, kHeight, scale, foveae.empty() ? render::Fovea{} : foveae[0]);
         const std::vector<glm::vec4> light = renderer.radiance();
         const Filter filter{light, grid.rays};
-        for (uint32_t y = 0; y < kHeight; y++)
-            for (uint32_t x = 0; x < kWidth; x++) {
+        for (uint32_t y = 0; y < kHeight; ++y)
+            for (uint32_t x = 0; x < kWidth; ++x) {
                 const glm::dvec4 truth = filter.between(
                     {render::ray_of_pixel(grid.across, x + 0.5), render::ray_of_pixel(grid.downwards, y + 0.5)});
-                for (int c = 0; c < 3; c++) {
+                for (int c = 0; c < 3; ++c) {
                     const double expected =
                         reference::display_value(truth[c] + (1 - truth.a) * settings.resolve.background[c]);
                     ASSERT_NEAR(image.at(x, y)[c], 255 * expected, 0.6) << x << ' ' << y;
@@ -163,8 +163,8 @@ TEST_F(RayGridTest, TheInsetIsThePictureItself) {
         const media::Image foveated = renderer.render(camera, inset);
         const GridAxis across = render::ray_grid(kWidth, kHeight, 1, kInset).across;
         size_t other = 0;
-        for (uint32_t y = 15; y < 45; y++)
-            for (uint32_t x = 0; x < kWidth; x++) {
+        for (uint32_t y = 15; y < 45; ++y)
+            for (uint32_t x = 0; x < kWidth; ++x) {
                 const bool same = std::equal(truth.at(x, y), truth.at(x, y) + 4, foveated.at(x, y));
                 if (x >= static_cast<double>(across.knots.z) && x < static_cast<double>(across.knots.w))
                     ASSERT_TRUE(same) << x << ' ' << y;

@@ -56,12 +56,12 @@ using ResolveTest = GpuTest;
 
 TEST_F(ResolveTest, EverySrgbByteComesBack) {
     Rays rays(256, 1);
-    for (uint32_t x = 0; x < 256; x++)
+    for (uint32_t x = 0; x < 256; ++x)
         rays.radiance[rays.index(x, 0)] =
             glm::vec4(glm::vec3(static_cast<float>(media::linear_from_srgb(x / 255.0))), 1);
     const media::Image image = resolve(device(), rays, {});
-    for (uint32_t x = 0; x < 256; x++)
-        for (int channel = 0; channel < 3; channel++) EXPECT_EQ(image.at(x, 0)[channel], x);
+    for (uint32_t x = 0; x < 256; ++x)
+        for (int channel = 0; channel < 3; ++channel) EXPECT_EQ(image.at(x, 0)[channel], x);
 }
 
 Rays random_rays() {
@@ -69,7 +69,7 @@ Rays random_rays() {
     Rays rays(37, 21);
     for (glm::vec4& ray : rays.radiance) {
         const double alpha = random.below(4) == 0 ? 0 : random.uniform();
-        for (int channel = 0; channel < 3; channel++)
+        for (int channel = 0; channel < 3; ++channel)
             ray[channel] = static_cast<float>(alpha * random.uniform(0, 1.1));  // above 1: must be clamped
         ray.a = static_cast<float>(alpha);
     }
@@ -79,11 +79,11 @@ Rays random_rays() {
 TEST_F(ResolveTest, AlphaIsStraightAndEmptyPixelsAreZero) {
     const Rays rays = random_rays();
     const media::Image image = resolve(device(), rays, {});
-    for (uint32_t y = 0; y < rays.height; y++)
-        for (uint32_t x = 0; x < rays.width; x++) {
+    for (uint32_t y = 0; y < rays.height; ++y)
+        for (uint32_t x = 0; x < rays.width; ++x) {
             const glm::dvec4 ray(rays.radiance[rays.index(x, y)]);
             expect_byte(image.at(x, y)[3], ray.a);
-            for (int channel = 0; channel < 3; channel++)
+            for (int channel = 0; channel < 3; ++channel)
                 expect_byte(image.at(x, y)[channel],
                             ray.a > 0 ? media::srgb_from_linear(std::min(ray[channel] / ray.a, 1.0)) : 0);
         }
@@ -95,12 +95,12 @@ TEST_F(ResolveTest, BackgroundsBlendInLinearLight) {
         render::ResolveSettings settings;
         settings.background = {0.8f, 0.2f, 0.05f, opacity};
         const media::Image image = resolve(device(), rays, settings);
-        for (uint32_t y = 0; y < rays.height; y++)
-            for (uint32_t x = 0; x < rays.width; x++) {
+        for (uint32_t y = 0; y < rays.height; ++y)
+            for (uint32_t x = 0; x < rays.width; ++x) {
                 const glm::dvec4 ray(rays.radiance[rays.index(x, y)]), behind(settings.background);
                 const double share = (1 - ray.a) * behind.a, alpha = ray.a + share;
                 expect_byte(image.at(x, y)[3], alpha);
-                for (int channel = 0; channel < 3; channel++) {
+                for (int channel = 0; channel < 3; ++channel) {
                     const double linear = (ray[channel] + share * behind[channel]) / alpha;
                     expect_byte(image.at(x, y)[channel], media::srgb_from_linear(std::min(linear, 1.0)));
                 }
@@ -112,7 +112,7 @@ TEST_F(ResolveTest, AlphaAndDepthAreGreyAndOpaque) {
     Rays rays = random_rays();
     Random random(8);
     rays.radiance[rays.index(3, 2)] = glm::vec4(0);
-    for (size_t i = 0; i < rays.depth.size(); i++)
+    for (size_t i = 0; i < rays.depth.size(); ++i)
         rays.depth[i] = rays.radiance[i].a > 0 ? static_cast<float>(random.uniform(0.5, 4.5))
                                                : std::numeric_limits<float>::infinity();  // as trace writes it
     render::ResolveSettings alpha, depth;
@@ -121,10 +121,10 @@ TEST_F(ResolveTest, AlphaAndDepthAreGreyAndOpaque) {
     depth.depth_near_m = 1;
     depth.depth_far_m = 4;
     const media::Image alpha_view = resolve(device(), rays, alpha), depth_view = resolve(device(), rays, depth);
-    for (uint32_t y = 0; y < rays.height; y++)
-        for (uint32_t x = 0; x < rays.width; x++) {
+    for (uint32_t y = 0; y < rays.height; ++y)
+        for (uint32_t x = 0; x < rays.width; ++x) {
             const size_t ray = rays.index(x, y);
-            for (int channel = 0; channel < 3; channel++) {
+            for (int channel = 0; channel < 3; ++channel) {
                 expect_byte(alpha_view.at(x, y)[channel], rays.radiance[ray].a);
                 expect_byte(depth_view.at(x, y)[channel], (4.0 - rays.depth[ray]) / 3.0);  // near white, far black
             }
@@ -137,7 +137,7 @@ TEST_F(ResolveTest, AlphaAndDepthAreGreyAndOpaque) {
 TEST_F(ResolveTest, APixelIsTheMeanOfItsRays) {
     Rays rays(3 * 11, 3 * 9);
     Random random(5);
-    for (size_t i = 0; i < rays.radiance.size(); i++) {
+    for (size_t i = 0; i < rays.radiance.size(); ++i) {
         const double alpha = random.below(3) == 0 ? 0 : random.uniform();
         rays.radiance[i] = glm::vec4(glm::vec3(static_cast<float>(alpha * random.uniform())), alpha);
         rays.depth[i] = alpha > 0 ? static_cast<float>(random.uniform(1, 4)) : std::numeric_limits<float>::infinity();
@@ -147,17 +147,17 @@ TEST_F(ResolveTest, APixelIsTheMeanOfItsRays) {
     depth_settings.depth_near_m = 1;
     depth_settings.depth_far_m = 4;
     const media::Image colour = resolve(device(), rays, {}, 3), depth = resolve(device(), rays, depth_settings, 3);
-    for (uint32_t y = 0; y < 9; y++)
-        for (uint32_t x = 0; x < 11; x++) {
+    for (uint32_t y = 0; y < 9; ++y)
+        for (uint32_t x = 0; x < 11; ++x) {
             glm::dvec4 light(0);
             double metres = 0;
-            for (uint32_t i = 0; i < 9; i++) {
+            for (uint32_t i = 0; i < 9; ++i) {
                 const size_t ray = rays.index(3 * x + i % 3, 3 * y + i / 3);
                 light += glm::dvec4(rays.radiance[ray]) / 9.0;
                 if (rays.radiance[ray].a > 0) metres += double{rays.radiance[ray].a} * double{rays.depth[ray]} / 9.0;
             }
             expect_byte(colour.at(x, y)[3], light.a);
-            for (int channel = 0; channel < 3; channel++)
+            for (int channel = 0; channel < 3; ++channel)
                 expect_byte(colour.at(x, y)[channel], media::srgb_from_linear(light[channel] / light.a));
             expect_byte(depth.at(x, y)[0], (4 - metres / light.a) / 3);
         }

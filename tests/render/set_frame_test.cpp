@@ -90,8 +90,8 @@ TEST_F(SetFrameTest, RaysEndAtTheSetAndTheSetIsBehindThem) {
         const media::Image image = stage.frames.render(camera, settings_of({{1}}));
         Traced truth;
         double worst = 0;
-        for (uint32_t y = 0; y < kHeight; y++)
-            for (uint32_t x = 0; x < kWidth; x++) {
+        for (uint32_t y = 0; y < kHeight; ++y)
+            for (uint32_t x = 0; x < kWidth; ++x) {
                 const reference::Ray ray = reference::camera_ray(camera, x, y);
                 const double end = (kWall - ray.origin.z) / ray.direction.z;
                 const reference::RayResult light =
@@ -99,7 +99,7 @@ TEST_F(SetFrameTest, RaysEndAtTheSetAndTheSetIsBehindThem) {
                 truth.radiance.emplace_back(glm::vec3(light.colour), static_cast<float>(light.alpha));
                 truth.depth.push_back(static_cast<float>(light.depth_m));
                 const glm::dvec3 rendered = light.colour + (1 - light.alpha) * glm::dvec3(0.2, 0.5, 0.1);
-                for (int c = 0; c < 3; c++)
+                for (int c = 0; c < 3; ++c)
                     raise(worst, std::abs(255 * reference::display_value(rendered[c]) - image.at(x, y)[c]));
                 EXPECT_EQ(image.at(x, y)[3], 255);
             }
@@ -140,13 +140,13 @@ TEST_F(SetFrameTest, ViewsSamplesAndScalesAgree) {
     const stage::Camera eyes[] = {camera_before(), look_at({0.9, 0.6, 4}, {0, 0.4, 0}, kWidth, kHeight, 1.1)};
     OnSet both(device(), glb, {&field}, {kWidth, kHeight, 1, 2}), one(device(), glb, {&field}, {kWidth, kHeight});
     const std::vector<media::Image> images = both.frames.render_views(eyes, settings_of({{1}}));
-    for (size_t view = 0; view < 2; view++)
+    for (size_t view = 0; view < 2; ++view)
         EXPECT_EQ(images[view].rgba, one.frames.render(eyes[view], settings_of({{1}})).rgba) << "view " << view;
     render::FrameSettings coarse = settings_of({{1}});
     coarse.scale = 0.6;
     const media::Image scaled = one.frames.render(eyes[0], coarse);
     double mean = 0;
-    for (size_t i = 0; i < scaled.rgba.size(); i++)
+    for (size_t i = 0; i < scaled.rgba.size(); ++i)
         mean += std::abs(scaled.rgba[i] - images[0].rgba[i]) / static_cast<double>(scaled.rgba.size());
     EXPECT_LT(mean, 6) << "random leaves are all edges";
     EXPECT_GT(mean, 0);
@@ -164,10 +164,10 @@ voctree::VOctree cube(float sigma, uint32_t levels = 1) {
     tree.sigma_basis = {1};
     tree.gamma_basis = {0};
     std::vector<voctree::LeafPosition> positions;
-    for (uint32_t i = 0; i < side * side * side; i++)
+    for (uint32_t i = 0; i < side * side * side; ++i)
         positions.push_back({i % side, i / side % side, i / side / side, 2 * levels});
     voctree::build_topology(tree, positions);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[0] = sigma;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) tree.leaf(leaf)[0] = sigma;
     return tree;
 }
 
@@ -212,10 +212,10 @@ TEST_F(SetFrameTest, APerformersShadowIsItsAlphaAlongTheLight) {
     };
     const std::vector<double> lit = light_with(false, true), shadowed = light_with(true, true);
     const std::vector<double> no_casters = light_with(true, false);
-    for (size_t i = 0; i < lit.size(); i++) ASSERT_NEAR(no_casters[i], lit[i], 1e-3) << "its map is empty";
+    for (size_t i = 0; i < lit.size(); ++i) ASSERT_NEAR(no_casters[i], lit[i], 1e-3) << "its map is empty";
     uint32_t inside = 0, outside = 0;
-    for (uint32_t y = 0; y < kSide; y++)
-        for (uint32_t x = 0; x < kSide; x++) {
+    for (uint32_t y = 0; y < kSide; ++y)
+        for (uint32_t x = 0; x < kSide; ++x) {
             const reference::Ray eye = reference::camera_ray(camera, x, y);
             const glm::dvec3 point = eye.origin - eye.origin.y / eye.direction.y * eye.direction;
             if (lit[y * kSide + x] < 0.05) continue;  // outside the cone
@@ -225,7 +225,7 @@ TEST_F(SetFrameTest, APerformersShadowIsItsAlphaAlongTheLight) {
                 return reference::trace(tree, slices, ray).alpha;
             };
             double low = 1, high = 0;
-            for (int i = 0; i < 16; i++) {
+            for (int i = 0; i < 16; ++i) {
                 const double angle = std::numbers::pi / 8 * i;
                 const double alpha = alpha_at(point + 0.28 * glm::dvec3(std::cos(angle), 0, std::sin(angle)));
                 low = std::min(low, alpha);
@@ -263,19 +263,19 @@ TEST_F(SetFrameTest, LightFallsOffWithTheDistanceFromTheLamp) {
         const std::vector<float> depth = stage.frames.depth();
         uint32_t compared = 0;
         double least = INFINITY, most = 0;
-        for (uint32_t i = 0; i < rendered.size(); i++) {
+        for (uint32_t i = 0; i < rendered.size(); ++i) {
             if (captured[i].a < 0.999f || (merged && std::abs(rendered[i].a - captured[i].a) > 1e-4f)) continue;
             const reference::Ray ray = reference::camera_ray(camera, i % kWidth, i / kWidth);
             glm::dvec3 to_light;
             const glm::dvec3 arriving =
                 reference::light_at(light, ray.origin + static_cast<double>(depth[i]) * ray.direction, to_light);
             const glm::dvec3 expected = glm::dvec3(captured[i]) * (ambient.light + arriving / std::numbers::pi);
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; ++c)
                 EXPECT_NEAR(static_cast<double>(rendered[i][c]), expected[c], 0.004 * expected.g + 1e-6)
                     << "ray " << i << (merged ? ", light in nine bits" : "");
             least = std::min(least, expected.g);
             most = std::max(most, expected.g);
-            compared++;
+            ++compared;
         }
         EXPECT_GT(compared, 100u);
         EXPECT_GT(most, 1.5 * least) << "head and feet";
@@ -357,7 +357,7 @@ TEST_F(SetFrameTest, PerformersShadowEachOther) {
         };
         const std::vector<glm::vec4> lit = rendered(false), shadowed = rendered(true);
         double above = 0, below = 0, above_lit = 0, below_lit = 0;
-        for (uint32_t i = 0; i < lit.size(); i++) {
+        for (uint32_t i = 0; i < lit.size(); ++i) {
             const reference::Ray ray = reference::camera_ray(camera, i % kWidth, i / kWidth);
             const double height = ray.origin.y + (0.5 - ray.origin.z) / ray.direction.z * ray.direction.y;
             if (lit[i].a < 0.99f) continue;
@@ -396,7 +396,7 @@ TEST_F(SetFrameTest, FarLevelsDoNotMoveShadowMaps) {
     EXPECT_TRUE(any_coarser && any_finest);
     const auto [map_without, colours_without] = light_with(false);
     EXPECT_EQ(map, map_without);
-    for (size_t i = 0; i < colours.size(); i++) ASSERT_NEAR(colours[i].g, colours_without[i].g, 1e-3) << i;
+    for (size_t i = 0; i < colours.size(); ++i) ASSERT_NEAR(colours[i].g, colours_without[i].g, 1e-3) << i;
 }
 
 // Red glass before a performer, green glass behind it.
@@ -441,7 +441,7 @@ TEST_F(SetFrameTest, CopiesOnASetCostNoMemory) {
                     {kWidth, kHeight, 1, 1, render::slice_bytes(field, render::max_entries(field))});
         stage.set.light(std::span(&light, 1), {});
         std::vector<render::Instance> instances;
-        for (int i = 0; i < copies; i++) {
+        for (int i = 0; i < copies; ++i) {
             glm::mat4 transform(1);
             transform[3] = {2.2f * static_cast<float>(i % 8 - 4), 0.2f, -2.2f * static_cast<float>(i / 8), 1};
             instances.push_back({39.0f * static_cast<float>(i) / 31, transform});

@@ -112,8 +112,8 @@ TEST_F(SetRasterTest, WhiteInUniformLightStaysWhite) {
             size_t covered = 0;
             for (const glm::dvec4& light : drawn.colour) {
                 if (light.a == 0) continue;
-                covered++;
-                for (int c = 0; c < 3; c++) ASSERT_NEAR(light[c], 1, 2e-3) << roughness << " " << by_image;
+                ++covered;
+                for (int c = 0; c < 3; ++c) ASSERT_NEAR(light[c], 1, 2e-3) << roughness << " " << by_image;
             }
             EXPECT_GT(covered, 400u);
         }
@@ -134,7 +134,7 @@ json unlit(glm::vec4 base, const std::string& alpha_mode = "OPAQUE") {
 }
 
 void expect_colour(const glm::dvec4& drawn, const glm::dvec4& wanted, const std::string& what = "") {
-    for (int c = 0; c < 4; c++) EXPECT_NEAR(drawn[c], wanted[c], 1e-3) << what << ", channel " << c;
+    for (int c = 0; c < 4; ++c) EXPECT_NEAR(drawn[c], wanted[c], 1e-3) << what << ", channel " << c;
 }
 
 TEST_F(SetRasterTest, AlphaModesAndSides) {
@@ -239,7 +239,7 @@ TEST_F(SetRasterTest, ASceneWithoutMeshesShowsNothing) {
     Lighting lighting{{directional(), spot()}, {}};
     for (render::SetLight& light : lighting.lights) light.casts_shadow = true;
     const SetImages drawn = draw(device(), glb, camera_above(), lighting);
-    for (size_t i = 0; i < drawn.depth_m.size(); i++) {
+    for (size_t i = 0; i < drawn.depth_m.size(); ++i) {
         ASSERT_EQ(drawn.colour[i], glm::dvec4(0));
         ASSERT_EQ(drawn.depth_m[i], INFINITY);
     }
@@ -287,14 +287,14 @@ TEST_F(SetRasterTest, PanesAreBlendedFarToNearInTwoLayers) {
     set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
     // Left: no volume. Right: a volume between red and green.
     std::vector<float> volume(kSide * kSide, INFINITY);
-    for (size_t i = 0; i < volume.size(); i++)
+    for (size_t i = 0; i < volume.size(); ++i)
         if (i % kSide >= kSide / 2) volume[i] = 1.85f;
     gpu::upload(device(), set.volume_depth, volume.data(), volume.size() * sizeof(float));
     const SetImages drawn = draw_set(device(), set, {camera});
     const glm::dvec4 blue = 0.5 * glm::dvec4(0, 0, 1, 1) + 0.5 * glm::dvec4(1);
     const glm::dvec4 green = 0.5 * glm::dvec4(0, 1, 0, 1) + 0.5 * blue;
     const glm::dvec4 red = 0.5 * glm::dvec4(1, 0, 0, 1);
-    for (size_t i = 0; i < volume.size(); i++) {
+    for (size_t i = 0; i < volume.size(); ++i) {
         const bool left = i % kSide < kSide / 2;
         expect_colour(drawn.colour[i], left ? red + 0.5 * green : green, "over the wall");
         expect_colour(drawn.front[i], left ? glm::dvec4(0) : red, "before the volume");

@@ -243,7 +243,7 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
         ASSERT_EQ(set.lights().light[shadow].shadow, shadow);
         // The lower right quarter of its image, 1 m from it.
         std::vector<glm::vec2> maps(kMaxShadows * side * side, glm::vec2(0));
-        for (size_t i = 0; i < side * side; i++)
+        for (size_t i = 0; i < side * side; ++i)
             if (i % side >= side / 2 && i / side >= side / 2) maps[shadow * side * side + i] = {0.75f, 1};
         gpu::upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
         const stage::Camera light_camera = render::performer_shadow_camera(from, performers, side);
@@ -289,15 +289,15 @@ TEST_F(SetShadowTest, ACatcherShowsPerformersShadowsAlone) {
     const SetImages caught = draw_set(device(), set, {camera_above()});
     const auto luminance = [](glm::dvec3 light) { return glm::dot(light, glm::dvec3(0.2126, 0.7152, 0.0722)); };
     double darkest = 0;
-    for (uint32_t y = 0; y < kSide; y++)
-        for (uint32_t x = 0; x < kSide; x++) {
+    for (uint32_t y = 0; y < kSide; ++y)
+        for (uint32_t x = 0; x < kSide; ++x) {
             const reference::Ray ray = reference::camera_ray(camera_above(), x, y);
             const double t = (kFloor_m - ray.origin.y) / ray.direction.y;
             const glm::dvec4 seen = caught.colour[y * kSide + x];
             ASSERT_EQ(glm::dvec3(seen), glm::dvec3(0)) << "neither floor nor plate";
             if (t <= 0) continue;
             double lit = luminance(ambient.light), taken = 0;
-            for (size_t i = 0; i < lights.size(); i++) {
+            for (size_t i = 0; i < lights.size(); ++i) {
                 glm::dvec3 to_light;
                 const glm::dvec3 arriving = reference::light_at(lights[i], ray.origin + t * ray.direction, to_light);
                 const double reflected = luminance(arriving) * std::max(to_light.y, 0.0) / glm::pi<double>();
@@ -319,7 +319,7 @@ TEST_F(SetShadowTest, ComputeShadersLightAlike) {
     const std::vector<render::SetLight> lights{sun(), point(), spot_above()};
     set.light(lights, {});
     std::vector<glm::vec4> positions;
-    for (int i = 0; i < 500; i++)
+    for (int i = 0; i < 500; ++i)
         positions.emplace_back(0.003 * (i * 37 % 331) - 0.5, 0.001 * (i * 53 % 331) + 0.02,
                                0.003 * (i * 71 % 331) - 0.5, 0);
     const auto bytes = positions.size() * sizeof(glm::vec4);
@@ -339,12 +339,12 @@ TEST_F(SetShadowTest, ComputeShadersLightAlike) {
         gpu::dispatch(commands, pass, bindings, positions.size(), push);
     });
     int lit = 0, dark = 0;
-    for (size_t p = 0; p < positions.size(); p++)
-        for (size_t i = 0; i < lights.size(); i++) {
+    for (size_t p = 0; p < positions.size(); ++p)
+        for (size_t i = 0; i < lights.size(); ++i) {
             const glm::vec4* result = out.as<glm::vec4>() + 2 * (p * lights.size() + i);
             glm::dvec3 to_light;
             const glm::dvec3 light = reference::light_at(lights[i], glm::dvec3(positions[p]), to_light);
-            for (int c = 0; c < 3; c++) {
+            for (int c = 0; c < 3; ++c) {
                 EXPECT_NEAR(result[0][c], light[c], 1e-4 * (1 + light[c]));
                 EXPECT_NEAR(result[1][c], to_light[c], 1e-5);
             }

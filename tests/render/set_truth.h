@@ -133,8 +133,8 @@ inline double outside(double value, double least, double most) {
 inline Agreement compare(const SetImages& images, const stage::Camera& camera, const Surface& surface,
                          const PbrMaterial& material, const Lighting& lighting, size_t first_texel = 0) {
     Agreement agreement;
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
+    for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x) {
             if (at_edge(surface, camera, x, y)) continue;
             const size_t texel = first_texel + size_t{y} * camera.width + x;
             const auto hit = surface(reference::camera_ray(camera, x, y));
@@ -143,9 +143,9 @@ inline Agreement compare(const SetImages& images, const stage::Camera& camera, c
             agreement.wrong_cover +=
                 hit ? drawn.a != 1 || std::isinf(metres) : drawn != glm::dvec4(0) || metres != INFINITY;
             if (!hit || !is_compared(*hit, lighting)) continue;
-            agreement.covered++;
+            ++agreement.covered;
             const TexelTruth truth = texel_truth(camera, surface, material, lighting, x, y, images.grid_px);
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; ++c)
                 agreement.worst = std::max(agreement.worst,
                                            outside(drawn[c], truth.least[c], truth.most[c]) / (truth.most[c] + 0.01));
             agreement.depth =

@@ -32,8 +32,8 @@ std::vector<reference::ShadowTexel> random_texels(uint64_t seed) {
 // Puts the texels where the rays of a view have them: tile by tile.
 void put_view(uint32_t view, const std::vector<reference::ShadowTexel>& texels, std::vector<glm::vec4>& radiance,
               std::vector<float>& depth) {
-    for (uint32_t y = 0; y < kMapSide; y++)
-        for (uint32_t x = 0; x < kMapSide; x++) {
+    for (uint32_t y = 0; y < kMapSide; ++y)
+        for (uint32_t x = 0; x < kMapSide; ++x) {
             const uint32_t tile = (y / kTile) * (kMapSide / kTile) + x / kTile;
             const size_t ray = size_t{view} * kTexels + tile * kTilePixels + y % kTile * kTile + x % kTile;
             radiance[ray] = glm::vec4(0.5f, 0.5f, 0.5f, static_cast<float>(texels[y * kMapSide + x].alpha));
@@ -49,7 +49,7 @@ double difference(double a, double b) {
 void expect_reference(std::span<const glm::vec2> drawn, const std::vector<reference::ShadowTexel>& texels) {
     const std::vector<reference::ShadowTexel> truth = reference::blurred_shadow(texels, kMapSide);
     double alpha = 0, metres = 0;
-    for (size_t i = 0; i < kTexels; i++) {
+    for (size_t i = 0; i < kTexels; ++i) {
         alpha = std::max(alpha, difference(drawn[i].x, truth[i].alpha));
         metres = std::max(metres, difference(drawn[i].y, truth[i].metres));
     }

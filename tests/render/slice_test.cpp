@@ -47,14 +47,14 @@ constexpr double kSliceTolerance = 2e-5;
 void expect_sound_slots(const DeviceSlice& slice) {
     std::vector<bool> taken(slice.slot_leaf.size());
     uint32_t live = 0;
-    for (uint32_t leaf = 0; leaf < slice.head.size(); leaf++) {
+    for (uint32_t leaf = 0; leaf < slice.head.size(); ++leaf) {
         if (sigma_of(slice, leaf) == 0) continue;
         const uint32_t slot = slice.head[leaf].y;
         ASSERT_LT(slot, taken.size());
         EXPECT_FALSE(taken[slot]) << "slot " << slot << " twice";
         taken[slot] = true;
         EXPECT_EQ(slice.slot_leaf[slot], leaf);
-        live++;
+        ++live;
     }
     EXPECT_EQ(slice.live.slots, live + slice.live.overflow);
     EXPECT_EQ(slice.live.groups_x, (live + kSliceGroup - 1) / kSliceGroup);
@@ -69,11 +69,11 @@ double slice_error(const DeviceSlice& slice, const voctree::VOctree& tree, doubl
     const auto compare = [&worst](double value, double expected) {
         worst = std::max(worst, std::abs(value - expected) / std::max(1.0, std::abs(expected)));
     };
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         compare(sigma_of(slice, leaf), truth[leaf].sigma);
         if (sigma_of(slice, leaf) == 0) continue;
-        for (size_t j = 0; j < sh_count(tree.hh_degree); j++)
-            for (size_t channel = 0; channel < 3; channel++)
+        for (size_t j = 0; j < sh_count(tree.hh_degree); ++j)
+            for (size_t channel = 0; channel < 3; ++channel)
                 compare(slice.sh[size_t{slice.head[leaf].y} * sh_count(tree.hh_degree) + j][static_cast<int>(channel)],
                         truth[leaf].k[channel][j]);
     }
@@ -92,7 +92,7 @@ using SliceTest = GpuTest;
 
 TEST_F(SliceTest, MatchesTheReferenceForEveryDegreeAtAnyFrame) {
     constexpr uint32_t kBases[] = {1, 6, 31, 64};
-    for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
+    for (uint32_t degree = 0; degree <= kMaxHhDegree; ++degree) {
         const voctree::VOctree tree = unrounded_tree({.seed = degree, .bases = kBases[degree], .hh_degree = degree});
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
         for (const float frame : {0.0f, 3.0f, 4.0f, 1.25f, 3.9f, -1.0f, 7.0f}) {
@@ -129,9 +129,9 @@ TEST_F(SliceTest, LeavesWithoutASlotAreDeadAndCounted) {
     EXPECT_EQ(slice.live.overflow, alive - kSlots);
     expect_sound_slots(slice);
     uint32_t kept = 0;
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         if (sigma_of(slice, leaf) == 0) continue;
-        kept++;
+        ++kept;
         EXPECT_NEAR(sigma_of(slice, leaf), truth[leaf].sigma, kSliceTolerance * std::max(1.0, truth[leaf].sigma));
     }
     EXPECT_EQ(kept, kSlots);

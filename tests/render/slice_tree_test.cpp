@@ -23,7 +23,7 @@ using SliceTreeTest = GpuTest;
 
 TEST_F(SliceTreeTest, HoldsEveryLiveLeafWhereAWalkFindsItAndNothingElse) {
     constexpr uint32_t kLevels[] = {1, 2, 4, 6};
-    for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
+    for (uint32_t degree = 0; degree <= kMaxHhDegree; ++degree) {
         const voctree::VOctree tree = random_tree(
             {.seed = degree + 20, .node_levels = kLevels[degree], .leaves = 600, .bases = 5, .hh_degree = degree});
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
@@ -39,7 +39,7 @@ TEST_F(SliceTreeTest, HoldsEveryLiveLeafWhereAWalkFindsItAndNothingElse) {
             check.visit(0, 0);
             EXPECT_LE(check.worst, 0x1p-10) << "fp16 rounds to 2^-11 of a number";
             uint32_t expected = 0;
-            for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+            for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
                 EXPECT_EQ(check.met[leaf], truth[leaf].sigma > 0) << "leaf " << leaf;
                 expected += truth[leaf].sigma > 0;
             }
@@ -117,9 +117,9 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
         gpu::download(device(), ranges.ranges, words.data(), words.size() * sizeof(glm::uvec2));
         gpu::download(device(), ranges.count, &count, sizeof(count));
         uint32_t listed = 0, seeing = 0;
-        for (uint32_t tile = 0; tile < words.size(); tile++) {
+        for (uint32_t tile = 0; tile < words.size(); ++tile) {
             glm::dvec2 truth(1e30, -1e30);
-            for (uint32_t i = 0; i < 64; i++) {
+            for (uint32_t i = 0; i < 64; ++i) {
                 const uint32_t x = tile % kAcross * 8 + i % 8, y = tile / kAcross * 8 + i / 8;
                 if (x >= kWidth || y >= kHeight) continue;
                 const glm::dvec2 range = met_range(tree, slices, reference::camera_ray(camera, x, y));

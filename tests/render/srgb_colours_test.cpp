@@ -42,8 +42,8 @@ Traced decoded(Traced traced) {
 Traced sample_by_sample(const voctree::VOctree& tree, const stage::Camera& camera) {
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
     Traced traced;
-    for (uint32_t y = 0; y < kHeight; y++)
-        for (uint32_t x = 0; x < kWidth; x++) {
+    for (uint32_t y = 0; y < kHeight; ++y)
+        for (uint32_t x = 0; x < kWidth; ++x) {
             std::vector<reference::Sample> samples =
                 reference::ray_samples(tree, slices, reference::camera_ray(camera, x, y));
             for (reference::Sample& sample : samples) sample.colour = media::linear_from_srgb(sample.colour);
@@ -106,7 +106,7 @@ TEST_F(SrgbColoursTest, TakePaintOfLinearLight) {
     const glm::vec3 target(0.125f, 0.5f, 0.25f);
     voctree::EditLayer layer;
     layer.field = voctree::painted_field(tree);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         voctree::LeafEdit edit;
         edit.leaf = leaf;
         edit.colour = target;
@@ -124,8 +124,8 @@ TEST_F(SrgbColoursTest, TakePaintOfLinearLight) {
     size_t seen = 0;
     for (const glm::vec4 light : renderer.radiance()) {
         if (light.a < 0.1f) continue;
-        seen++;
-        for (int c = 0; c < 3; c++) ASSERT_NEAR(light[c] / light.a, target[c], 2e-3);
+        ++seen;
+        for (int c = 0; c < 3; ++c) ASSERT_NEAR(light[c] / light.a, target[c], 2e-3);
     }
     EXPECT_GT(seen, 100u);
 }

@@ -71,7 +71,7 @@ struct StageClipsTest : GpuTest {
         }
         // Follows the stage at a time that does not change until `done`; false after a minute.
         bool until(double time_s, const std::function<bool()>& done) {
-            for (int i = 0; i < 60'000 && !done(); i++) {
+            for (int i = 0; i < 60'000 && !done(); ++i) {
                 at(time_s, MissingSegments::kHold);
                 std::this_thread::sleep_for(std::chrono::milliseconds(1));
             }
@@ -138,7 +138,7 @@ TEST_F(StageClipsTest, MemoryDoesNotGrowWithTheClip) {
     }
     EXPECT_LE(late, early * 23 / 20) << "some slices have room for more entries";
     Follower follower{*this};
-    for (uint32_t number = 0; number < kSegments; number++) {
+    for (uint32_t number = 0; number < kSegments; ++number) {
         follower.at(middle_of(number), MissingSegments::kWait);
         EXPECT_LE(follower.clips.fields().size(), render::kSegmentsOnDevice);
         EXPECT_NE(follower.field_of(number), nullptr);
@@ -166,7 +166,7 @@ TEST_F(StageClipsTest, SegmentsTakeTheMemoryOfSlicesWhereThereIsNoOther) {
                 static_cast<uint64_t>(static_cast<int64_t>(device().memory_pool().allocated()) + more_bytes));
             const auto shown_within = [&](int steps) {
                 renderer.show(evaluated, true, missing);
-                for (int i = 0; i < steps && !renderer.shows_all(evaluated); i++) {
+                for (int i = 0; i < steps && !renderer.shows_all(evaluated); ++i) {
                     std::this_thread::sleep_for(std::chrono::milliseconds(5));
                     renderer.show(evaluated, true, missing);
                 }
@@ -191,7 +191,7 @@ TEST_F(StageClipsTest, ASegmentForWhichThereIsNoMemoryIsToldOnce) {
     device().memory_pool().clear(device().handle());
     device().limit_memory(1);  // what slices had is not enough, either
     std::vector<std::string> problems;
-    for (int i = 0; i < 1000 && problems.size() < 2; i++) {
+    for (int i = 0; i < 1000 && problems.size() < 2; ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
         renderer.show(evaluated, true, MissingSegments::kHold);
         for (std::string& problem : renderer.take_problems()) problems.push_back(std::move(problem));
@@ -233,7 +233,7 @@ TEST_F(StageClipsTest, TheCoarseTreeOfAnUrgentSegmentIsReadFirst) {
     render::ClipFiles files(device());
     files.read_ahead({{{segment(9), 18, 2}, true}, {{segment(8), 16, 2}, false}});
     std::vector<render::ClipFiles::Result> results;
-    for (int i = 0; i < 60'000 && results.size() < 3; i++) {
+    for (int i = 0; i < 60'000 && results.size() < 3; ++i) {
         for (render::ClipFiles::Result& result : files.take_results()) results.push_back(std::move(result));
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -264,7 +264,7 @@ TEST_F(StageClipsTest, AnEditKeepsWhatIsShown) {
     const auto places = after.places_of(far.performers[0]);
     ASSERT_EQ(places.size(), 1u);
     EXPECT_EQ(places[0].field, &before.clips()[0].segments[11].loaded->field);
-    for (int i = 0; i < 60'000 && !after.clips()[0].segments[3].loaded; i++) {
+    for (int i = 0; i < 60'000 && !after.clips()[0].segments[3].loaded; ++i) {
         after.follow(*stage, far, MissingSegments::kHold);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -297,7 +297,7 @@ TEST_F(StageClipsTest, PaintComesAndGoesWithItsSegment) {
     for (const uint32_t number : {0u, 9u}) {
         const voctree::VOctree tree = voctree::read_nvv(segment(number));
         voctree::EditLayer paint{voctree::painted_field(tree), {}};
-        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
             paint.edits.push_back({.leaf = leaf, .first = 0, .last = 1, .colour = {0, 1, 0}, .alpha = 1});
         voctree::write_paint(voctree::paint_file(layer, {segment(number), 2 * number, 2}), paint);
     }
@@ -324,7 +324,7 @@ TEST_F(StageClipsTest, PaintComesAndGoesWithItsSegment) {
     render::StageRenderer ahead(device(), painted, loader.load(painted), {48, 36});
     image_at(ahead, painted, middle_of(0));
     const stage::EvaluatedStage evaluated = stage::stage_at(painted, middle_of(9));
-    for (int i = 0; i < 60'000; i++) {
+    for (int i = 0; i < 60'000; ++i) {
         ahead.show(evaluated, true, MissingSegments::kHold);
         if (!ahead.holds(evaluated) && ahead.instance_of(evaluated.performers[0])->frame == 0.5f) break;
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -352,7 +352,7 @@ TEST_F(StageClipsTest, EditedPaintOfASegmentShowsAtOnce) {
     const auto paint = [&](uint32_t number, const glm::vec3& colour) {
         const voctree::VOctree tree = voctree::read_nvv(segment(number));
         voctree::EditLayer one{voctree::painted_field(tree), {}};
-        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
             one.edits.push_back({.leaf = leaf, .first = 0, .last = 1, .colour = colour, .alpha = 1});
         edited[voctree::paint_file(layer, {segment(number), 2 * number, 2})] =
             std::make_shared<const voctree::EditLayer>(one);
@@ -423,7 +423,7 @@ TEST_F(StageClipsTest, AStreamPlaysFrameByFrame) {
     Follower follower{*this};
     ASSERT_TRUE(follower.until(0, [&] {
         uint32_t there = 0;  // two threads read them, so that a later one may come first
-        for (uint32_t frame = 0; frame < 8; frame++) there += follower.field_of(frame) ? 1 : 0;
+        for (uint32_t frame = 0; frame < 8; ++frame) there += follower.field_of(frame) ? 1 : 0;
         return there == 8;
     }));
     const render::Field* first = follower.field_of(0);
@@ -431,7 +431,7 @@ TEST_F(StageClipsTest, AStreamPlaysFrameByFrame) {
     const auto late = follower.at(11 * frame_s, MissingSegments::kHold);
     ASSERT_TRUE(late);
     EXPECT_NE(late->field, first) << "what is nearer to its time was there";
-    for (uint32_t frame = 0; frame < 2 * kSegments; frame++) {
+    for (uint32_t frame = 0; frame < 2 * kSegments; ++frame) {
         const auto place = follower.at(frame * frame_s, MissingSegments::kWait);
         ASSERT_TRUE(place);
         EXPECT_EQ(place->field, follower.field_of(frame)) << frame;
@@ -451,7 +451,7 @@ TEST_F(StageClipsTest, AfterASeekTheCoarseTreeIsShown) {
     const stage::EvaluatedStage evaluated = stage::stage_at(*stage, middle_of(9));
     const stage::Camera camera = look_at({0, 0.4, 4}, {0, 0.5, 0}, 48, 36, 1);
     media::Image image;
-    for (int i = 0; i < 60'000; i++) {
+    for (int i = 0; i < 60'000; ++i) {
         renderer.show(evaluated, true, MissingSegments::kHold);
         image = renderer.frames().render(camera, renderer.settings_at(evaluated));
         if (!renderer.holds(evaluated) && renderer.instance_of(evaluated.performers[0])->frame == 0.5f) break;

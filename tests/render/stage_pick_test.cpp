@@ -52,7 +52,7 @@ struct StagePickTest : GpuTest {
     }
     auto pick(std::initializer_list<Ray> rays) { return render::pick_performers(*renderer, evaluated, rays); }
     std::optional<uint32_t> index_of(const std::string& name) const {
-        for (uint32_t i = 0; i < stage->performers.size(); i++)
+        for (uint32_t i = 0; i < stage->performers.size(); ++i)
             if (stage->performers[i].name == name) return i;
         return std::nullopt;
     }
@@ -80,7 +80,7 @@ TEST_F(StagePickTest, PicksAreTakenAfterLaterImages) {
     renderer->resize(96, 96);
     const auto taken = picks.take(*renderer);
     ASSERT_EQ(taken.size(), rays.size());
-    for (size_t i = 0; i < rays.size(); i++) {
+    for (size_t i = 0; i < rays.size(); ++i) {
         ASSERT_EQ(taken[i].has_value(), expected[i].has_value()) << i;
         if (!taken[i]) continue;
         EXPECT_EQ(taken[i]->performer, expected[i]->performer);

@@ -68,7 +68,7 @@ struct Draft {
     }
     void remove_node(const std::string& name) {
         json& nodes = root["nodes"];
-        for (size_t i = 0; i < nodes.size(); i++)
+        for (size_t i = 0; i < nodes.size(); ++i)
             if (nodes[i].value("name", "") == name) {
                 nodes.erase(i);
                 return;
@@ -78,7 +78,7 @@ struct Draft {
     std::unique_ptr<stage::Stage> stage() {
         root["scene"] = 0;
         root["scenes"][0]["nodes"] = json::array();
-        for (size_t i = 0; i < root["nodes"].size(); i++) root["scenes"][0]["nodes"].push_back(i);
+        for (size_t i = 0; i < root["nodes"].size(); ++i) root["scenes"][0]["nodes"].push_back(i);
         return std::make_unique<stage::Stage>(stage::load_stage(folder.write(glb.bytes(), "stage.glb")));
     }
 };
@@ -156,7 +156,7 @@ TEST_F(StageRendererTest, PerformersAndLightsChangeWithoutUploads) {
 // The stage at some times, with other lights, performers, set and camera in each image.
 std::vector<stage::EvaluatedStage> changing(const stage::Stage& stage) {
     std::vector<stage::EvaluatedStage> all;
-    for (uint32_t i = 0; i < 6; i++) {
+    for (uint32_t i = 0; i < 6; ++i) {
         stage::EvaluatedStage& one = all.emplace_back(stage::stage_at(stage, 0.04 * i));
         one.lights[0].position.x += 0.4 * i;
         one.performers[0].world_from_performer[3].x += 0.1 * i;
@@ -177,13 +177,13 @@ TEST_F(StageRendererTest, ImagesUnderWayAreThoseThatOneWaitsFor) {
     };
     std::vector<media::Image> expected;
     std::vector<gpu::Buffer> kept;
-    for (size_t i = 0; i < all.size(); i++) {
+    for (size_t i = 0; i < all.size(); ++i) {
         live.renderer.show(all[i]);
         expected.push_back(live.renderer.frames().render(camera(i), live.renderer.settings_at(all[i])));
         kept.emplace_back(device(), "kept", kBytes, gpu::MemoryKind::kReadback);
     }
     submitted.image();  // makes what images need, so that nothing waits for the device
-    for (size_t i = 0; i < all.size(); i++) {
+    for (size_t i = 0; i < all.size(); ++i) {
         submitted.renderer.show(all[i]);
         submitted.renderer.frames().submit({std::array{camera(i)}}, submitted.renderer.settings_at(all[i]),
                                            [&](gpu::Commands& commands, const gpu::Buffer& images) {
@@ -193,7 +193,7 @@ TEST_F(StageRendererTest, ImagesUnderWayAreThoseThatOneWaitsFor) {
                                            });
     }
     EXPECT_TRUE(submitted.renderer.frames().finish());
-    for (size_t i = 0; i < all.size(); i++) {
+    for (size_t i = 0; i < all.size(); ++i) {
         const auto* pixels = kept[i].as<uint8_t>();
         EXPECT_TRUE(std::equal(expected[i].rgba.begin(), expected[i].rgba.end(), pixels)) << i;
         if (i > 0) {
@@ -233,7 +233,7 @@ TEST_F(StageRendererTest, TheEnvironmentChanges) {
         media::write_png(draft.folder.path / name, image);
     };
     media::Image sky(32, 16);
-    for (uint32_t i = 0; i < sky.rgba.size(); i++) sky.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(i / 8);
+    for (uint32_t i = 0; i < sky.rgba.size(); ++i) sky.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(i / 8);
     set_environment(sky, "sky.png");
     draft.settings()["environment"] = {{"uri", "sky.png"}};
     live.expect_change("environment");
@@ -292,7 +292,7 @@ TEST_F(StageRendererTest, AClipThatSomebodyStillHasComesBackWithoutReading) {
 // Paint of one colour on all leaves, in all frames.
 voctree::EditLayer coat(const voctree::VOctree& tree, glm::vec3 colour) {
     voctree::EditLayer layer{voctree::painted_field(tree), {}};
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
         layer.edits.push_back({leaf, 0, static_cast<float>(tree.frames - 1), colour, 1, voctree::kKeepSigma});
     return layer;
 }
@@ -408,7 +408,7 @@ TEST_F(StageRendererTest, PicturesMayStayOnTheDevice) {
 
 TEST_F(StageRendererTest, NamesAStageOfTooManyPerformers) {
     Draft draft;
-    for (uint32_t i = 2; i < render::kMaxInstances; i++) draft.add_performer(fmt::format("{}", i), "a.nvv", {0, 0, 0});
+    for (uint32_t i = 2; i < render::kMaxInstances; ++i) draft.add_performer(fmt::format("{}", i), "a.nvv", {0, 0, 0});
     Live live{device(), draft};
     EXPECT_EQ(live.renderer.settings_at(stage::stage_at(*live.stage, 0)).instances.size(), render::kMaxInstances);
     draft.add_performer("one more", "a.nvv", {0, 0, 0});
@@ -463,7 +463,7 @@ uint32_t unlike_pixels(const media::Image& a, const media::Image& b) {
     uint32_t unlike = 0;
     for (size_t pixel = 0; pixel < a.rgba.size(); pixel += 4) {
         int most = 0;
-        for (size_t c = pixel; c < pixel + 4; c++) most = std::max(most, std::abs(a.rgba[c] - b.rgba[c]));
+        for (size_t c = pixel; c < pixel + 4; ++c) most = std::max(most, std::abs(a.rgba[c] - b.rgba[c]));
         unlike += most > 1;
     }
     return unlike;
@@ -488,11 +488,11 @@ TEST_F(StageRendererTest, BlocksOfMoreSamplesMakeTheWholePicture) {
         of_block.width = kWide / 2;
         of_block.height = kHigh / 2;
         of_block.samples = samples;
-        for (uint32_t i = 0; i < 4; i++) {
+        for (uint32_t i = 0; i < 4; ++i) {
             const uint32_t x = i % 2 * of_block.width, y = i / 2 * of_block.height;
             const media::Image block =
                 coarse.frames().render(part_of(camera, x, y, of_block.width, of_block.height), of_block);
-            for (uint32_t row = 0; row < of_block.height; row++)
+            for (uint32_t row = 0; row < of_block.height; ++row)
                 std::copy_n(block.at(0, row), size_t{4} * of_block.width, image.at(x, y + row));
         }
         return image;

@@ -33,7 +33,7 @@ struct StageStreamTest : GpuTest, ServedStream {
     }
     // Follows the stage at times that `next` gives until `done`; false after a minute.
     bool follow(render::StageClips& clips, const std::function<double()>& next, const std::function<bool()>& done) {
-        for (int i = 0; i < 30'000 && !done(); i++) {
+        for (int i = 0; i < 30'000 && !done(); ++i) {
             clips.follow(*stage, stage::stage_at(*stage, next()), render::MissingSegments::kHold);
             clips.free_dropped();
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -67,7 +67,7 @@ TEST_F(StageStreamTest, WhatComesInTimeIsShownUntilTheClockStands) {
 // Whoever renders waits for all of it.
 TEST_F(StageStreamTest, ImagesThatNobodyWaitsForHaveAllOfAFrame) {
     render::StageClips clips(render::StageLoader(device()).load(*stage));
-    for (uint32_t frame = 0; frame < kFrames; frame++) {
+    for (uint32_t frame = 0; frame < kFrames; ++frame) {
         const stage::EvaluatedStage evaluated = stage::stage_at(*stage, frame / 25.0);
         clips.follow(*stage, evaluated, render::MissingSegments::kWait);
         clips.read_missing(evaluated);
@@ -93,7 +93,7 @@ size_t waits_until_now(const std::filesystem::path& file) {
     std::ifstream stream(file);
     const std::string text{std::istreambuf_iterator<char>(stream), {}}, name = "wait for the device";
     size_t waits = 0;
-    for (size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) waits++;
+    for (size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) ++waits;
     return waits;
 }
 
@@ -101,7 +101,7 @@ TEST_F(StageStreamTest, AnImageThatShowsAnotherFieldWaitsForTheDeviceNoMoreThanO
     const stage::Stage local = stage::load_stage(folder.path / "show.gltf");
     const auto& segments = local.clips[0].index->segments;
     std::vector<render::Field> fields;
-    for (uint32_t i = 0; i < 2; i++)
+    for (uint32_t i = 0; i < 2; ++i)
         fields.push_back(render::upload_segment(device(), segments[i], voctree::read_shown_segment(segments[i])));
     render::FrameRenderer frames(device(), {&fields[0]}, {48, 36});
     const stage::Camera camera = look_at({0.5, 0.5, 3}, {0.5, 0.5, 0.5}, 48, 36, 1);

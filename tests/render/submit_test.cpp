@@ -25,7 +25,7 @@ TEST_F(SubmitTest, SubmittedImagesAreThoseThatOneWaitsFor) {
     std::vector<stage::Camera> cameras;
     std::vector<render::FrameSettings> all;
     std::vector<std::vector<uint32_t>> expected;
-    for (uint32_t i = 0; i < 8; i++) {
+    for (uint32_t i = 0; i < 8; ++i) {
         cameras.push_back(look_at({3.0 - i, 1.0, 2.0 + i}, {0, 0, 0}, kWidth, kHeight));
         std::vector<render::Instance> instances{{0.3f * static_cast<float>(i % 5)}};
         if (i % 3 == 2) {
@@ -39,15 +39,15 @@ TEST_F(SubmitTest, SubmittedImagesAreThoseThatOneWaitsFor) {
                       kBytes);
     }
     std::vector<gpu::Buffer> kept;
-    for (size_t i = 0; i < all.size(); i++) kept.emplace_back(device(), "kept", kBytes, gpu::MemoryKind::kDevice);
-    for (size_t i = 0; i < all.size(); i++)
+    for (size_t i = 0; i < all.size(); ++i) kept.emplace_back(device(), "kept", kBytes, gpu::MemoryKind::kDevice);
+    for (size_t i = 0; i < all.size(); ++i)
         submitted.submit({&cameras[i], 1}, all[i], [&to = kept[i]](gpu::Commands& commands, const gpu::Buffer& images) {
             gpu::compute_barrier(commands);
             gpu::copy(commands, images, to, kBytes);
         });
     EXPECT_TRUE(submitted.finish());
     EXPECT_NE(expected[0], expected[1]) << "something is to be seen";
-    for (size_t i = 0; i < kept.size(); i++) {
+    for (size_t i = 0; i < kept.size(); ++i) {
         std::vector<uint32_t> pixels(kBytes / 4);
         gpu::download(device(), kept[i], pixels.data(), kBytes);
         EXPECT_EQ(pixels, expected[i]) << i;
@@ -75,7 +75,7 @@ TEST_F(SubmitTest, WhatLacksPartsIsFoundAndNextTimeThereIsRoom) {
     submit();
     EXPECT_FALSE(submitted.finish()) << "there was room at once";
     submitted.forget_slices();
-    for (int i = 0; i < 6; i++) submit();
+    for (int i = 0; i < 6; ++i) submit();
     EXPECT_TRUE(submitted.finish());
     gpu::download(device(), kept, pixels.data(), bytes);
     EXPECT_EQ(pixels, expected);
@@ -87,7 +87,7 @@ TEST_F(SubmitTest, ImagesThatLackPartsMakeRoomForLaterOnes) {
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     render::FrameRenderer frames(device(), {&field}, {.width = kWidth, .height = kHeight});
     const stage::Camera camera = look_at({2.0, 1.0, 2.0}, {0, 0, 0}, kWidth, kHeight);
-    for (int i = 0; i < 4; i++) frames.submit({&camera, 1}, {.width = kWidth, .height = kHeight});
+    for (int i = 0; i < 4; ++i) frames.submit({&camera, 1}, {.width = kWidth, .height = kHeight});
     EXPECT_TRUE(frames.finish());
 }
 

@@ -70,7 +70,7 @@ TEST(Embedded, TakesImagesOfADocumentWithoutBuffers) {
     wood.rgba = {255, 0, 0, 255, 0, 255, 0, 255};
     media::write_png(folder.path / "wood.png", wood);
     std::string more;
-    for (int members = 0; members < 8; members++) {
+    for (int members = 0; members < 8; ++members) {
         const std::filesystem::path source = folder.path / "a.gltf", output = folder.path / "a.glb";
         write_text(source, R"({"asset": {"version": "2.0"}, "images": [{"uri": "wood.png"}, {"uri": "wood.png"}])" +
                                more + "}");

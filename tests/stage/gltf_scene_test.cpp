@@ -191,16 +191,16 @@ TEST(GltfScene, SkinsHaveMoreThanFourJoints) {
         const size_t count = 4 * sets;
         std::vector<float> binds(16 * count, 0.0f);
         json joints = json::array();
-        for (size_t j = 0; j < count; j++) {
+        for (size_t j = 0; j < count; ++j) {
             for (const size_t at : {0u, 5u, 10u, 15u}) binds[16 * j + at] = 1;
             joints.push_back(j + 1);
             glb.root["nodes"].push_back({{"translation", {0, 0, std::pow(2.0, static_cast<double>(j))}}});
         }
-        for (size_t set = 0; set < sets; set++) {
+        for (size_t set = 0; set < sets; ++set) {
             std::vector<uint8_t> indices;
             std::vector<float> weights;
-            for (size_t v = 0; v < 3; v++)
-                for (size_t k = 0; k < 4; k++) {
+            for (size_t v = 0; v < 3; ++v)
+                for (size_t k = 0; k < 4; ++k) {
                     indices.push_back(static_cast<uint8_t>(4 * set + k));
                     weights.push_back(k == v ? 2.0f : 0.0f);  // the sum of all sets is not 1
                 }
@@ -213,9 +213,9 @@ TEST(GltfScene, SkinsHaveMoreThanFourJoints) {
         stage::PosedVertices out;
         stage::pose_vertices(scene, stage::pose_scene(scene, stage::kNoAnimation, 0), 0, scene.meshes[0].primitives[0],
                              out);
-        for (size_t v = 0; v < 3; v++) {
+        for (size_t v = 0; v < 3; ++v) {
             double z = 0;
-            for (size_t set = 0; set < sets; set++)
+            for (size_t set = 0; set < sets; ++set)
                 z += std::pow(2.0, static_cast<double>(4 * set + v)) / static_cast<double>(sets);
             EXPECT_NEAR(out.positions[v].z, z, 1e-3);
         }

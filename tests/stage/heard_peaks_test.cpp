@@ -22,7 +22,7 @@ const media::SoundPeaks& sound() {
     static const media::SoundPeaks made = [] {
         media::Sound one;
         one.samples.resize(2 * media::kSoundRate);
-        for (size_t i = media::kSoundRate / 2; i < 3 * media::kSoundRate / 4; i++)
+        for (size_t i = media::kSoundRate / 2; i < 3 * media::kSoundRate / 4; ++i)
             one.samples[i] = {i % 2 == 0 ? int16_t{16384} : int16_t{-16384}, 0};
         return media::peaks_of(one);
     }();
@@ -36,7 +36,7 @@ std::vector<double> loud_times(const std::string& map, double seconds = 4) {
     std::vector<double> times;
     float before = 0;
     columns.push_back(0);
-    for (size_t i = 0; i < columns.size(); i++) {
+    for (size_t i = 0; i < columns.size(); ++i) {
         EXPECT_TRUE(columns[i] == 0 || columns[i] == 0.5f) << map << " has a column of " << columns[i];
         if (columns[i] != before) times.push_back(std::round(1000 * static_cast<double>(i) * kColumn_s) / 1000);
         before = columns[i];
@@ -60,7 +60,7 @@ TEST(HeardPeaks, StandWhereTheyAreHeard) {
 TEST(HeardPeaks, StandWhereTheyAreHeardBackwards) {
     std::vector<float> columns(200);
     stage::heard_peaks(sound(), timeline("reverse"), 0, 0.01, columns);
-    for (size_t i = 0; i < columns.size(); i++) {
+    for (size_t i = 0; i < columns.size(); ++i) {
         const bool loud = i >= 121 && i < 146;  // 2 − 0.04 − 0.75 s up to 2 − 0.04 − 0.5 s
         EXPECT_EQ(columns[i], loud ? 0.5f : 0.0f) << i;
     }
@@ -102,7 +102,7 @@ void expect_as_played(const std::string& map, double from_s, double to_s) {
     const double step_s = (to_s - from_s) / kSteps;
     constexpr double kNear = 1e-3, kCell = 0.1;  // frames
     std::vector<bool> played(static_cast<size_t>(kFrames / kCell) + 1), covered(played.size());
-    for (int i = 0; i + 1 < kSteps; i++) {
+    for (int i = 0; i + 1 < kSteps; ++i) {
         const double here = stage::clip_position(one, from_s + i * step_s);
         const double next = stage::clip_position(one, from_s + (i + 1) * step_s);
         if (std::abs(next - here) < 1e-7 || std::abs(next - here) > 1) continue;  // it stands, or jumps
@@ -131,15 +131,15 @@ TEST(HeardPeaks, PartsAreThoseThatArePlayed) {
 // However many operators a map has, the parts stay few.
 TEST(HeardPeaks, PartsStayFew) {
     std::string map = "loop:1f:49f";
-    for (int i = 2; i < 60; i++) map += ",loop:" + std::to_string(i % 7) + "f:" + std::to_string(40 + i % 11) + "f";
+    for (int i = 2; i < 60; ++i) map += ",loop:" + std::to_string(i % 7) + "f:" + std::to_string(40 + i % 11) + "f";
     std::vector<stage::ClipPart> parts;
     std::mt19937 random(5);
-    for (int i = 0; i < 200; i++) {
+    for (int i = 0; i < 200; ++i) {
         const double from_s = std::uniform_real_distribution(0.0, 1000.0)(random);
         stage::heard_parts(timeline(map), from_s, from_s + 1.3, parts);
         EXPECT_FALSE(parts.empty());
         EXPECT_LE(parts.size(), stage::kMaxTimeOperators + 1);
-        for (size_t j = 1; j < parts.size(); j++) EXPECT_LT(parts[j - 1].end, parts[j].begin) << "they are apart";
+        for (size_t j = 1; j < parts.size(); ++j) EXPECT_LT(parts[j - 1].end, parts[j].begin) << "they are apart";
     }
 }
 

@@ -20,7 +20,7 @@ const media::Sound& sound() {
     static const media::Sound made = [] {
         media::Sound one;
         const std::vector<int16_t> tone = stereo_tone(2 * kRate);
-        for (size_t i = 0; i < 2 * kRate; i++) {
+        for (size_t i = 0; i < 2 * kRate; ++i) {
             const double louder = 0.5 + 0.5 * static_cast<double>(i) / (2 * kRate);
             one.samples.push_back(
                 {static_cast<int16_t>(tone[2 * i] * louder), static_cast<int16_t>(tone[2 * i + 1] * louder)});
@@ -49,7 +49,7 @@ float original(double at) {
 
 float loudest(const std::vector<float>& samples, double from_s, double to_s) {
     float most = 0;
-    for (auto i = static_cast<size_t>(from_s * kRate); i < static_cast<size_t>(to_s * kRate); i++)
+    for (auto i = static_cast<size_t>(from_s * kRate); i < static_cast<size_t>(to_s * kRate); ++i)
         most = std::max(most, std::abs(samples[i]));
     return most;
 }
@@ -57,38 +57,38 @@ float loudest(const std::vector<float>& samples, double from_s, double to_s) {
 // The largest step from one sample to the next.
 float steepest(const std::vector<float>& samples) {
     float most = 0;
-    for (size_t i = 1; i < samples.size(); i++) most = std::max(most, std::abs(samples[i] - samples[i - 1]));
+    for (size_t i = 1; i < samples.size(); ++i) most = std::max(most, std::abs(samples[i] - samples[i - 1]));
     return most;
 }
 
 double pitch_hz(const std::vector<float>& samples, double from_s, double to_s) {
     int crossings = 0;
-    for (auto i = static_cast<size_t>(from_s * kRate); i < static_cast<size_t>(to_s * kRate); i++)
+    for (auto i = static_cast<size_t>(from_s * kRate); i < static_cast<size_t>(to_s * kRate); ++i)
         crossings += samples[i] < 0 && samples[i + 1] >= 0;
     return crossings / (to_s - from_s);
 }
 
 TEST(Heard, AClipAsItIsSoundsAsItIs) {
     const std::vector<float> all = heard("", 1.9);
-    for (size_t i = 0; i < static_cast<size_t>(1.9 * kRate); i++) ASSERT_NEAR(all[i], original(double(i)), 1e-5) << i;
+    for (size_t i = 0; i < static_cast<size_t>(1.9 * kRate); ++i) ASSERT_NEAR(all[i], original(double(i)), 1e-5) << i;
     const std::vector<float> later = heard("", 0.5, 1);
-    for (size_t i = 0; i < kRate / 2; i++) ASSERT_NEAR(later[i], original(double(i + kRate)), 1e-5) << i;
+    for (size_t i = 0; i < kRate / 2; ++i) ASSERT_NEAR(later[i], original(double(i + kRate)), 1e-5) << i;
 }
 
 TEST(Heard, ItFollowsOffsetsLoopsAndReverse) {
     const std::vector<float> late = heard("offset:0.5s", 1);
     EXPECT_EQ(loudest(late, 0, 0.45), 0);
-    for (size_t i = kRate * 6 / 10; i < kRate; i++) ASSERT_NEAR(late[i], original(double(i - kRate / 2)), 1e-5) << i;
+    for (size_t i = kRate * 6 / 10; i < kRate; ++i) ASSERT_NEAR(late[i], original(double(i - kRate / 2)), 1e-5) << i;
     const std::vector<float> loop = heard("loop:0s:1s", 1.9);
-    for (size_t i = kRate * 11 / 10; i < kRate * 18 / 10; i++)
+    for (size_t i = kRate * 11 / 10; i < kRate * 18 / 10; ++i)
         ASSERT_NEAR(loop[i], original(double(i - kRate)), 1e-5) << i;
     const std::vector<float> whole = heard("loop", 2.5);
-    for (size_t i = kRate * 21 / 10; i < kRate * 24 / 10; i++)
+    for (size_t i = kRate * 21 / 10; i < kRate * 24 / 10; ++i)
         ASSERT_NEAR(whole[i], original(double(i - 2 * kRate)), 1e-5) << "the last frame sounds as long as others";
     EXPECT_GT(loudest(whole, 1.955, 1.975), 0.4f);
     const std::vector<float> back = heard("reverse", 1.5);
     const double last = 49.0 / kFps * kRate;  // the beginning of the last frame is shown first
-    for (size_t i = kRate / 10; i < kRate; i++) ASSERT_NEAR(back[i], original(last - double(i)), 1e-5) << i;
+    for (size_t i = kRate / 10; i < kRate; ++i) ASSERT_NEAR(back[i], original(last - double(i)), 1e-5) << i;
 }
 
 TEST(Heard, WhatStandsStillIsSilent) {

@@ -56,14 +56,14 @@ glm::dmat4 ear_at_x(double x) {
 
 float loudest(const std::vector<media::StereoSample>& samples, size_t side, double from_s, double to_s) {
     float most = 0;
-    for (auto i = static_cast<size_t>(from_s * kRate); i < static_cast<size_t>(to_s * kRate); i++)
+    for (auto i = static_cast<size_t>(from_s * kRate); i < static_cast<size_t>(to_s * kRate); ++i)
         most = std::max(most, std::abs(samples[i][side]));
     return most;
 }
 
 float steepest(const std::vector<media::StereoSample>& samples, size_t side) {
     float most = 0;
-    for (size_t i = kRate / 10; i < samples.size(); i++)
+    for (size_t i = kRate / 10; i < samples.size(); ++i)
         most = std::max(most, std::abs(samples[i][side] - samples[i - 1][side]));
     return most;
 }

@@ -61,14 +61,14 @@ TEST_F(BlockCacheTest, DamagedBlocksAreNotThere) {
 TEST_F(BlockCacheTest, WhatWasNotUsedForLongestGoesFirst) {
     constexpr uint64_t kLimit = 64'000;
     BlockCache one = cache(kLimit);
-    for (uint64_t block = 0; block < 60; block++) {
+    for (uint64_t block = 0; block < 60; ++block) {
         one.write(block, bytes(1000, static_cast<uint8_t>(block)));
         // File systems tell times apart that are some milliseconds apart.
         for (const auto& file : files())
             std::filesystem::last_write_time(file, std::filesystem::last_write_time(file) - std::chrono::seconds(1));
     }
     EXPECT_TRUE(one.read(0, 1000)) << "there was room; now it is the newest";
-    for (uint64_t block = 60; block < 80; block++) one.write(block, bytes(1000, static_cast<uint8_t>(block)));
+    for (uint64_t block = 60; block < 80; ++block) one.write(block, bytes(1000, static_cast<uint8_t>(block)));
     uint64_t all = 0;
     for (const auto& file : files()) all += std::filesystem::file_size(file);
     EXPECT_LE(all, kLimit + kLimit / 16 + 1000);

@@ -25,7 +25,7 @@ Encoded encode(const std::vector<Slice>& slices, uint16_t step) {
     Encoded result;
     std::vector<stream::FrameSymbols> frames;
     stream::Counts counts = stream::no_counts();
-    for (size_t i = 0; i < slices.size(); i++) {
+    for (size_t i = 0; i < slices.size(); ++i) {
         Slice decoded;
         std::optional<stream::FrameBefore> before;
         if (i > 0) before.emplace(stream::FrameBefore{slices[i - 1], result.decoded.back()});
@@ -40,7 +40,7 @@ Encoded encode(const std::vector<Slice>& slices, uint16_t step) {
 
 double error_of(const Slice& a, const Slice& b, uint32_t plane) {
     double sum = 0;
-    for (size_t i = 0; i < a.leaves.size(); i++) sum += std::abs(a.planes[plane][i] - b.planes[plane][i]);
+    for (size_t i = 0; i < a.leaves.size(); ++i) sum += std::abs(a.planes[plane][i] - b.planes[plane][i]);
     return sum / static_cast<double>(a.leaves.size());
 }
 
@@ -92,7 +92,7 @@ TEST(FrameCodec, EveryPrefixOfPartsDraws) {
 TEST(FrameCodec, BlocksThatStayAreRepeated) {
     const Slice first = random_slice(5, 6, 900, 1);
     Slice moved = first;
-    for (size_t i = 0; i < moved.leaves.size() / 10; i++)
+    for (size_t i = 0; i < moved.leaves.size() / 10; ++i)
         for (auto& plane : moved.planes) plane[i] = static_cast<int16_t>(1000 - plane[i]);
     const Encoded frames = encode({first, first, moved}, 20);
     const auto size_of = [&](size_t frame) {
@@ -105,7 +105,7 @@ TEST(FrameCodec, BlocksThatStayAreRepeated) {
     EXPECT_GT(size_of(2), size_of(1));
     const stream::Format format{6, 1, 2000};
     std::vector<Slice> decoded;
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; ++i) {
         decoded.push_back(stream::decode(frames.bytes[i], stream::kShFine, frames.tables, format,
                                          i == 0 ? nullptr : &decoded.back()));
         expect_same(decoded[i], frames.decoded[i]);
@@ -129,7 +129,7 @@ TEST(FrameCodec, LeavesComeAndGo) {
     const Encoded frames = encode(slices, 20);
     const stream::Format format{4, 1, 400};
     Slice before;
-    for (size_t i = 0; i < slices.size(); i++) {
+    for (size_t i = 0; i < slices.size(); ++i) {
         before = stream::decode(frames.bytes[i], stream::kShFine, frames.tables, format, i ? &before : nullptr);
         EXPECT_EQ(before.leaves, slices[i].leaves) << i;
     }
@@ -142,11 +142,11 @@ TEST(FrameCodec, DamagedBytesAreRefusedOrShowSomethingElse) {
     const stream::Format format{6, 1, 2000};
     Random random(11);
     size_t refused = 0;
-    for (int i = 0; i < 3000; i++) {
+    for (int i = 0; i < 3000; ++i) {
         stream::FrameBytes damaged = frames.bytes[i % 2];
         std::vector<uint8_t>& bytes = damaged.parts[random.below(stream::kParts)];
         if (bytes.empty()) continue;
-        for (uint32_t k = 0; k <= random.below(3); k++)
+        for (uint32_t k = 0; k <= random.below(3); ++k)
             bytes[random.below(bytes.size())] = static_cast<uint8_t>(random.below(256));
         if (i % 7 == 0) bytes.resize(random.below(bytes.size()));
         try {
@@ -155,7 +155,7 @@ TEST(FrameCodec, DamagedBytesAreRefusedOrShowSomethingElse) {
             EXPECT_LE(slice.leaves.size(), 2000u);
             for (const auto& plane : slice.planes) ASSERT_EQ(plane.size(), slice.leaves.size());
         } catch (const std::runtime_error&) {
-            refused++;
+            ++refused;
         }
     }
     EXPECT_GT(refused, 2000u);

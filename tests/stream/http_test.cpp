@@ -21,7 +21,7 @@ struct HttpTest : testing::Test, ServedStream {
         expect_input_error(
             [&] {
                 stream::Reader reader(address(mode));
-                for (uint32_t i = 0; i < 3; i++) reader.frame(i);
+                for (uint32_t i = 0; i < 3; ++i) reader.frame(i);
             },
             {"show.nvs", problem});
     }
@@ -64,7 +64,7 @@ TEST_F(HttpTest, ADamagedHeadIsNotKept) {
     const stream::FrameSymbols frame = stream::encode(random_slice(1, 2, 20, 0), steps, {}, first);
     stream::Group group;
     group.format = {2, 0, 100};
-    for (uint32_t i = 0; i < kGroups; i++) writer.add(group, std::vector(kFrames, frame));
+    for (uint32_t i = 0; i < kGroups; ++i) writer.add(group, std::vector(kFrames, frame));
     writer.finish();
     ASSERT_GT(stream::head_bytes(kGroups, kGroups * kFrames), stream::HttpSource::kBlock);
     expect_input_error([&] { stream::Reader reader(address("damaged-second")); }, {"the index", "damaged"});

@@ -25,15 +25,15 @@ TEST(Ladder, TakesWhatAServerSendsInTime) {
 
 TEST(Ladder, TakesWhatIsDecodedInTime) {
     stream::Ladder ladder;
-    for (int i = 0; i < 200; i++) ladder.learn_planes(1000, 1e-6);
+    for (int i = 0; i < 200; ++i) ladder.learn_planes(1000, 1e-6);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
     // Up to kShCoarse, planes take 4 s; even 8 frames at once leave 3.2 s for them.
-    for (int i = 0; i < 200; i++) ladder.learn_planes(1000, 0.1);
+    for (int i = 0; i < 200; ++i) ladder.learn_planes(1000, 0.1);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kCoarse);
-    for (int i = 0; i < 200; i++) ladder.learn_planes(1000, 1e-6);
+    for (int i = 0; i < 200; ++i) ladder.learn_planes(1000, 1e-6);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine) << "what is old is forgotten";
     // A frame that only repeats has few bytes, and takes a while all the same.
-    for (int i = 0; i < 200; i++) ladder.learn_planes(20'000, 0.002);
+    for (int i = 0; i < 200; ++i) ladder.learn_planes(20'000, 0.002);
     ladder.learn_planes(100, 0.003);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
 }
@@ -48,7 +48,7 @@ TEST(Ladder, CountsWhatIsDoneBehindTheDecoder) {
          {stream::FrameStep::kShape, stream::FrameStep::kTree, stream::FrameStep::kUpload})
         ladder.learn_step(step, (time_s - 0.09) / 10 / 3);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kFine);
-    for (int i = 0; i < 100; i++) ladder.learn_step(stream::FrameStep::kUpload, time_s);
+    for (int i = 0; i < 100; ++i) ladder.learn_step(stream::FrameStep::kUpload, time_s);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kCoarse);
 }
 

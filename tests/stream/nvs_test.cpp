@@ -38,7 +38,7 @@ struct NvsTest : testing::Test {
         decoded.clear();
         for (uint32_t first = 0; first < 7; first += 3) {
             std::vector<stream::FrameSymbols> frames;
-            for (uint32_t i = first; i < std::min(first + 3, 7u); i++) {
+            for (uint32_t i = first; i < std::min(first + 3, 7u); ++i) {
                 Slice one;
                 const Slice last = voctree::slice_of(tree, i > first ? i - 1 : i);
                 std::optional<stream::FrameBefore> before;
@@ -48,7 +48,7 @@ struct NvsTest : testing::Test {
             }
             stream::Group group;
             group.format = {2 * tree.node_levels, tree.hh_degree, tree.leaf_count};
-            for (int axis = 0; axis < 3; axis++) {
+            for (int axis = 0; axis < 3; ++axis) {
                 group.box_min[static_cast<size_t>(axis)] = tree.box_min[axis];
                 group.box_size[static_cast<size_t>(axis)] = tree.box_size[axis];
             }
@@ -107,7 +107,7 @@ TEST_F(NvsTest, RemembersWhereItIsInItsCapture) {
 // Frames of which half stays: each needs the one before.
 Slice half_changed(const Slice& slice, uint32_t frame) {
     Slice changed = slice;
-    for (size_t i = frame % 2 ? 0 : slice.leaves.size() / 2; i < slice.leaves.size() / (frame % 2 ? 2 : 1); i++)
+    for (size_t i = frame % 2 ? 0 : slice.leaves.size() / 2; i < slice.leaves.size() / (frame % 2 ? 2 : 1); ++i)
         for (auto& plane : changed.planes) plane[i] = static_cast<int16_t>((plane[i] + 97 * frame) % 900);
     return changed;
 }
@@ -116,10 +116,10 @@ Slice half_changed(const Slice& slice, uint32_t frame) {
 size_t count_wrong(uint32_t frames, const std::function<bool(uint32_t)>& is_right) {
     std::atomic<size_t> wrong = 0;
     std::vector<std::thread> threads;
-    for (uint32_t t = 0; t < 4; t++)
+    for (uint32_t t = 0; t < 4; ++t)
         threads.emplace_back([&, t] {
             Random random(t);
-            for (int i = 0; i < 100; i++) wrong += is_right(static_cast<uint32_t>(random.below(frames))) ? 0 : 1;
+            for (int i = 0; i < 100; ++i) wrong += is_right(static_cast<uint32_t>(random.below(frames))) ? 0 : 1;
         });
     for (std::thread& thread : threads) thread.join();
     return wrong;
@@ -152,7 +152,7 @@ TEST_F(NvsTest, ThreadsReadFramesThatNeedEachOther) {
     std::vector<stream::FrameSymbols> frames;
     std::vector<Slice> shown;
     Slice last;
-    for (uint32_t i = 0; i < kFrames; i++) {
+    for (uint32_t i = 0; i < kFrames; ++i) {
         const Slice slice = i == 0 ? random_slice(1, 6, 900, 1) : half_changed(last, i);
         std::optional<stream::FrameBefore> before;
         if (i > 0) before.emplace(stream::FrameBefore{last, shown.back()});
@@ -179,11 +179,11 @@ TEST_F(NvsTest, ThreadsReadFramesThatNeedEachOther) {
 // What shows less stands together.
 TEST_F(NvsTest, APrefixOfAGroupHasThePartsOfItsFrames) {
     const stream::Index index = stream::Reader(path).index();
-    for (uint32_t group = 0; group < 3; group++) {
+    for (uint32_t group = 0; group < 3; ++group) {
         const stream::Group& one = index.groups[group];
         uint64_t next = one.offset + one.table_bytes;
-        for (uint32_t part = 0; part < stream::kParts; part++) {
-            for (uint32_t frame = one.first; frame < one.first + one.frames; frame++) {
+        for (uint32_t part = 0; part < stream::kParts; ++part) {
+            for (uint32_t frame = one.first; frame < one.first + one.frames; ++frame) {
                 EXPECT_EQ(index.place_of(frame, static_cast<stream::Part>(part)).offset, next);
                 next += index.frames[frame].bytes[part];
             }
@@ -199,7 +199,7 @@ TEST_F(NvsTest, DamageIsNamed) {
         expect_input_error(
             [&] {
                 stream::Reader reader(path);
-                for (uint32_t i = 0; i < 7; i++) reader.frame(i);
+                for (uint32_t i = 0; i < 7; ++i) reader.frame(i);
             },
             parts);
     };
@@ -260,21 +260,21 @@ TEST(SliceOfTree, ShowsTheFrame) {
         const std::vector<reference::LeafSlice> shown = reference::slice_tree(still, 0);
         size_t compared = 0;
         const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(still);
-        for (uint32_t i = 0; i < still.leaf_count; i++) {
+        for (uint32_t i = 0; i < still.leaf_count; ++i) {
             const double side = std::ldexp(1.0, -static_cast<int>(positions[i].depth));
             const uint32_t leaf =
                 voctree::find_leaf(tree, (glm::dvec3(positions[i].x, positions[i].y, positions[i].z) + 0.5) * side);
             ASSERT_NE(leaf, UINT32_MAX);
             const double edge = voctree::leaf_edge_m(tree, positions[i].depth);
             EXPECT_NEAR(std::exp(-shown[i].sigma * edge), std::exp(-truth[leaf].sigma * edge), 0.6 / stream::kUnit);
-            for (size_t c = 0; c < 3; c++) {
+            for (size_t c = 0; c < 3; ++c) {
                 const double mean = truth[leaf].k[c][0] * 0.28209479;
                 if (std::abs(mean) > 3) continue;  // nearly black or white: its harmonics show little
                 EXPECT_NEAR(reference::sigmoid(shown[i].k[c][0] * 0.28209479), reference::sigmoid(mean), 0.005);
                 // The three planes round by up to half a unit each, which is more of a dark colour's coefficients.
-                for (size_t k = 1; k < sh_count(degree); k++)
+                for (size_t k = 1; k < sh_count(degree); ++k)
                     EXPECT_NEAR(shown[i].k[c][k], truth[leaf].k[c][k], 0.11 + 0.02 * std::abs(truth[leaf].k[c][k]));
-                compared++;
+                ++compared;
             }
         }
         EXPECT_GT(compared, 100u);

@@ -17,7 +17,7 @@ inline stream::Slice random_slice(uint64_t seed, uint32_t depth, uint32_t leaves
         slice.leaves.push_back({voctree::first_cell(position, depth), position.depth});
     std::ranges::sort(slice.leaves, {}, &stream::Leaf::cell);
     slice.planes.resize(stream::planes_of(degree));
-    for (size_t plane = 0; plane < slice.planes.size(); plane++)
+    for (size_t plane = 0; plane < slice.planes.size(); ++plane)
         for (const stream::Leaf& leaf : slice.leaves) {
             const double at = static_cast<double>(leaf.cell) / static_cast<double>(uint64_t{1} << 3 * depth);
             const double value = plane == 0

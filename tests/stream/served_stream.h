@@ -33,7 +33,7 @@ struct ServedStream {
         stream::Steps steps;
         steps.fill(6);
         stream::Writer writer(file, 25, frames, frames);
-        for (uint32_t i = 0; i < frames; i++) {
+        for (uint32_t i = 0; i < frames; ++i) {
             std::vector<stream::FrameSymbols> one;
             one.push_back(stream::encode(random_slice(i + 1, 8, 20'000, 1), steps, {}, decoded.emplace_back()));
             stream::Group group;

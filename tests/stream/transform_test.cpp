@@ -38,12 +38,12 @@ TEST(StreamOctree, KnowsFaceNeighbours) {
     const stream::Octree tree = stream::octree_of(slice.leaves, depth);
     stream::Surroundings beside = stream::surroundings_of_root();
     size_t found = 0;
-    for (uint32_t d = 0; d < depth; d++) {
+    for (uint32_t d = 0; d < depth; ++d) {
         const std::vector<stream::Cell>& all = tree.cells[d];
         std::map<std::array<int64_t, 3>, uint32_t> cells;
         std::vector<uint8_t> is_leaf;
         size_t divided = 0;
-        for (uint32_t i = 0; i < all.size(); i++) {
+        for (uint32_t i = 0; i < all.size(); ++i) {
             const Coordinates at = coordinates_of(all[i].code);
             cells[{at.x, at.y, at.z}] = i;
             is_leaf.push_back(all[i].children == 0);
@@ -52,7 +52,7 @@ TEST(StreamOctree, KnowsFaceNeighbours) {
         for (const stream::Cell& one : all) {
             if (!one.children) continue;
             ASSERT_LT(divided, beside.neighbours.size());
-            for (size_t side = 0; side < 6; side++) {
+            for (size_t side = 0; side < 6; ++side) {
                 const Coordinates at = coordinates_of(one.code);
                 std::array<int64_t, 3> next = {at.x, at.y, at.z};
                 next[side / 2] += side % 2 ? 1 : -1;
@@ -61,7 +61,7 @@ TEST(StreamOctree, KnowsFaceNeighbours) {
                 EXPECT_EQ(beside.patterns[divided] >> side & 1, cell == cells.end() ? 0 : 1) << d << ' ' << divided;
                 found += cell != cells.end();
             }
-            divided++;
+            ++divided;
         }
         EXPECT_EQ(beside.neighbours.size(), divided);
         EXPECT_EQ(beside.patterns.size(), divided);
@@ -88,7 +88,7 @@ TEST(StreamTransform, KeepsSquares) {
     const stream::Octree tree = stream::octree_of(slice.leaves, slice.depth);
     std::vector<double> weights = areas_of(slice);
     std::vector<int16_t> factors;
-    for (size_t i = 0; i < weights.size(); i++) {
+    for (size_t i = 0; i < weights.size(); ++i) {
         factors.push_back(static_cast<int16_t>(1 + i % 5));
         weights[i] *= factors[i];
     }
@@ -96,13 +96,13 @@ TEST(StreamTransform, KeepsSquares) {
     EXPECT_EQ(count_pairs(pairs) + 1, slice.leaves.size());
     const stream::Coefficients all = stream::transform(tree, pairs, factors, slice.planes[1]);
     double mean = 0, sum = 0, squares = 0, of_coefficients = 0;
-    for (size_t i = 0; i < weights.size(); i++) {
+    for (size_t i = 0; i < weights.size(); ++i) {
         mean += weights[i] * slice.planes[1][i];
         sum += weights[i];
     }
     mean /= sum;
     EXPECT_NEAR(all.root, mean, 1e-9);
-    for (size_t i = 0; i < weights.size(); i++)
+    for (size_t i = 0; i < weights.size(); ++i)
         squares += 0.25 * weights[i] * (slice.planes[1][i] - mean) * (slice.planes[1][i] - mean);
     for (const auto& cell : all.values)
         for (const double value : cell) of_coefficients += value * value;
@@ -118,7 +118,7 @@ TEST(StreamTransform, ComesBackWithinTheSteps) {
     std::vector<std::vector<std::array<int16_t, stream::kPairs>>> numbers(planes);
     std::vector<std::vector<int16_t>> back(planes, std::vector<int16_t>(slice.leaves.size()));
     std::vector<stream::PlaneOfTree> given;
-    for (uint32_t p = 0; p < planes; p++) {
+    for (uint32_t p = 0; p < planes; ++p) {
         const stream::Coefficients all = stream::transform(tree, pairs, {}, slice.planes[p]);
         for (const auto& cell : all.values)
             std::ranges::transform(cell, numbers[p].emplace_back().begin(),
@@ -128,8 +128,8 @@ TEST(StreamTransform, ComesBackWithinTheSteps) {
     std::vector<stream::SymbolWriter> coarse(planes), fine(planes);
     stream::code_planes<stream::SymbolWriter>(coarse, fine, tree, pairs, slice.depth, given);
     double squares = 0;
-    for (uint32_t p = 0; p < planes; p++)
-        for (size_t i = 0; i < back[p].size(); i++) {
+    for (uint32_t p = 0; p < planes; ++p)
+        for (size_t i = 0; i < back[p].size(); ++i) {
             const double error = back[p][i] - slice.planes[p][i];
             EXPECT_LT(std::abs(error), 48);
             squares += weights[i] * error * error;

@@ -30,7 +30,7 @@ constexpr Vector kVectors[] = {{"small", 2, 0, 20, 60}, {"usual", 6, 1, 250, 90}
 // Opacities up to 0 and 1 and beyond what is told apart, colours beyond what they are clamped to.
 Slice extreme_slice(uint64_t seed, const Vector& vector) {
     Slice slice = random_slice(seed, vector.depth, vector.leaves, vector.degree);
-    for (size_t plane = 0; plane < slice.planes.size(); plane++)
+    for (size_t plane = 0; plane < slice.planes.size(); ++plane)
         for (int16_t& value : slice.planes[plane])
             value = static_cast<int16_t>(plane == 0 ? std::clamp(3 * value - 1100, 1, stream::kUnit) : 9 * value);
     return slice;
@@ -40,19 +40,19 @@ Slice extreme_slice(uint64_t seed, const Vector& vector) {
 void write_vector(const Vector& vector) {
     const Slice first = extreme_slice(vector.depth, vector);
     Slice second = first;
-    for (size_t i = 0; i < second.leaves.size() / 4; i++)
+    for (size_t i = 0; i < second.leaves.size() / 4; ++i)
         for (auto& plane : second.planes) plane[i] = static_cast<int16_t>(1024 - plane[i]);
     Slice none = first;
     none.leaves.clear();
     for (auto& plane : none.planes) plane.clear();
     const std::vector<std::vector<Slice>> groups = {{first, second}, {extreme_slice(vector.depth + 1, vector), none}};
     stream::Steps steps;
-    for (size_t i = 0; i < steps.size(); i++) steps[i] = static_cast<uint16_t>(vector.step + 3 * i);
+    for (size_t i = 0; i < steps.size(); ++i) steps[i] = static_cast<uint16_t>(vector.step + 3 * i);
     stream::Writer writer(kFolder / fmt::format("{}.nvs", vector.name), 25, 4, 2);
     for (const std::vector<Slice>& slices : groups) {
         std::vector<stream::FrameSymbols> frames;
         Slice decoded, before;
-        for (size_t i = 0; i < slices.size(); i++) {
+        for (size_t i = 0; i < slices.size(); ++i) {
             before = std::move(decoded);
             std::optional<stream::FrameBefore> frame_before;
             if (i > 0) frame_before.emplace(stream::FrameBefore{slices[i - 1], before});
@@ -80,7 +80,7 @@ TEST(StreamVectors, AreDecodedAsTheyAlwaysWere) {
         EXPECT_EQ(frames, 4u);
         nlohmann::ordered_json shown = {{"frames", nlohmann::ordered_json::array()},
                                         {"first_parts", nlohmann::ordered_json::array()}};
-        for (uint32_t i = 0; i < frames; i++) shown["frames"].push_back(json_of(*reader.frame(i)));
+        for (uint32_t i = 0; i < frames; ++i) shown["frames"].push_back(json_of(*reader.frame(i)));
         for (const stream::Part last : {stream::kShape, stream::kCoarse, stream::kShCoarse, stream::kFine})
             shown["first_parts"].push_back(json_of(*reader.frame(0, last)));
         const std::filesystem::path file = kFolder / fmt::format("{}.json", vector.name);

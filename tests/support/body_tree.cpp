@@ -30,7 +30,7 @@ struct BodyCell {
 std::vector<std::vector<coach::BodyBone>> bodies_of(const motion::SkeletonClip& clip, uint32_t frames, float fps) {
     const double height = motion::body_height(motion::bone_lengths(clip));
     std::vector<std::vector<coach::BodyBone>> bodies;
-    for (uint32_t i = 0; i < frames; i++)
+    for (uint32_t i = 0; i < frames; ++i)
         bodies.push_back(coach::body_of(motion::pose_at(clip, i * clip.fps / double{fps}), height));
     return bodies;
 }
@@ -57,9 +57,9 @@ void fill_capsule(std::vector<BodyCell>& cells, const voctree::VOctree& tree, co
     };
     const glm::uvec3 first = cell_of(glm::min(bone.from, bone.to) - bone.radius);
     const glm::uvec3 last = cell_of(glm::max(bone.from, bone.to) + bone.radius);
-    for (uint32_t z = first.z; z <= last.z; z++)
-        for (uint32_t y = first.y; y <= last.y; y++)
-            for (uint32_t x = first.x; x <= last.x; x++) {
+    for (uint32_t z = first.z; z <= last.z; ++z)
+        for (uint32_t y = first.y; y <= last.y; ++y)
+            for (uint32_t x = first.x; x <= last.x; ++x) {
                 const glm::vec3 middle = tree.box_min + edge * (glm::vec3(x, y, z) + 0.5f);
                 const double distance = reference::distance_to({bone.from, bone.to, bone.radius}, middle);
                 if (distance > 0) continue;
@@ -83,14 +83,14 @@ voctree::VOctree body_tree(const motion::SkeletonClip& clip, uint32_t frames, fl
     tree.fps = fps;
     tree.hh_degree = 0;
     tree.sigma_basis.assign(size_t{frames} * frames, 0);
-    for (uint32_t i = 0; i < frames; i++) tree.sigma_basis[size_t{i} * frames + i] = 1;
+    for (uint32_t i = 0; i < frames; ++i) tree.sigma_basis[size_t{i} * frames + i] = 1;
     tree.gamma_basis.assign(tree.sigma_basis.size(), 0);
     std::vector<BodyCell> cells(size_t{kBodyCells} * kBodyCells * kBodyCells);
-    for (uint32_t i = 0; i < frames; i++)
+    for (uint32_t i = 0; i < frames; ++i)
         for (const coach::BodyBone& bone : bodies[i]) fill_capsule(cells, tree, bone, i);
     std::vector<voctree::LeafPosition> positions;
     std::vector<BodyCell> filled;
-    for (uint32_t i = 0; i < cells.size(); i++) {
+    for (uint32_t i = 0; i < cells.size(); ++i) {
         if (cells[i].frames == 0) continue;
         positions.push_back({i % kBodyCells, i / kBodyCells % kBodyCells, i / kBodyCells / kBodyCells, kBodyDepth});
         filled.push_back(cells[i]);
@@ -98,11 +98,11 @@ voctree::VOctree body_tree(const motion::SkeletonClip& clip, uint32_t frames, fl
     voctree::build_topology(tree, positions);
     // H_000 is 1/√(2π²) at every γ: the colour is the sigmoid of weight · that.
     const double basis = 1 / std::sqrt(2 * std::numbers::pi * std::numbers::pi);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         float* weights = tree.leaf(leaf);
-        for (uint32_t i = 0; i < frames; i++) weights[i] = filled[leaf].frames >> i & 1 ? 200.0f : -1.0f;
+        for (uint32_t i = 0; i < frames; ++i) weights[i] = filled[leaf].frames >> i & 1 ? 200.0f : -1.0f;
         const glm::dvec3 colour = kLimbColours[motion::index_of(filled[leaf].limb)];
-        for (int channel = 0; channel < 3; channel++)
+        for (int channel = 0; channel < 3; ++channel)
             weights[2 * tree.bases + static_cast<uint32_t>(channel)] =
                 static_cast<float>(std::log(colour[channel] / (1 - colour[channel])) / basis);
     }

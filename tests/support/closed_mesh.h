@@ -18,9 +18,9 @@ namespace neuvv::test {
 inline void add_leaves(interchange::FrameVolume& volume, uint32_t depth, float sigma,
                        const std::function<bool(glm::vec3)>& inside) {
     const auto side = 1u << depth;
-    for (uint32_t z = 0; z < side; z++)
-        for (uint32_t y = 0; y < side; y++)
-            for (uint32_t x = 0; x < side; x++)
+    for (uint32_t z = 0; z < side; ++z)
+        for (uint32_t y = 0; y < side; ++y)
+            for (uint32_t x = 0; x < side; ++x)
                 if (inside((glm::vec3(x, y, z) + 0.5f) / static_cast<float>(side)))
                     volume.leaves.push_back({voctree::first_cell({x, y, z, depth}, volume.depth), depth, sigma, {}, 0});
     std::sort(volume.leaves.begin(), volume.leaves.end(), [](const auto& a, const auto& b) { return a.cell < b.cell; });
@@ -39,15 +39,15 @@ inline int expect_closed(const interchange::TriangleMesh& mesh) {
     std::map<std::pair<uint32_t, uint32_t>, int> edges;
     std::vector<std::map<uint32_t, uint32_t>> rings(mesh.positions.size());  // from the second corner to the third
     for (const glm::uvec3& triangle : mesh.triangles)
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             const uint32_t a = triangle[k], b = triangle[(k + 1) % 3], c = triangle[(k + 2) % 3];
-            edges[{a, b}]++;
+            ++edges[{a, b}];
             rings[a][b] = c;
         }
     int wrong_edges = 0, wrong_rings = 0;
     for (const auto& [edge, count] : edges) {
         const auto other = edges.find({edge.second, edge.first});
-        if (count != 1 || other == edges.end() || other->second != 1) wrong_edges++;
+        if (count != 1 || other == edges.end() || other->second != 1) ++wrong_edges;
     }
     for (const std::map<uint32_t, uint32_t>& ring : rings) {
         size_t length = 0;
@@ -57,10 +57,10 @@ inline int expect_closed(const interchange::TriangleMesh& mesh) {
                 const auto next = ring.find(at);
                 if (next == ring.end()) break;
                 at = next->second;
-                length++;
+                ++length;
             } while (at != ring.begin()->first && length <= ring.size());
         }
-        if (length == 0 || length != ring.size()) wrong_rings++;
+        if (length == 0 || length != ring.size()) ++wrong_rings;
     }
     EXPECT_EQ(wrong_edges, 0);
     EXPECT_EQ(wrong_rings, 0);

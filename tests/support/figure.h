@@ -33,16 +33,16 @@ inline voctree::VOctree figure_tree() {
     const auto middle = [](const voctree::LeafPosition& p) {
         return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kFigureSide};
     };
-    for (uint32_t i = 0; i < kFigureSide * kFigureSide * kFigureSide; i++) {
+    for (uint32_t i = 0; i < kFigureSide * kFigureSide * kFigureSide; ++i) {
         const voctree::LeafPosition position{i % kFigureSide, i / kFigureSide % kFigureSide,
                                              i / kFigureSide / kFigureSide, kFigureDepth};
         if (figure_part(middle(position), 0) || figure_part(middle(position), 1)) positions.push_back(position);
     }
     voctree::build_topology(tree, positions);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         float* weights = tree.leaf(leaf);
         int part = 0;
-        for (uint32_t frame = 0; frame < 2; frame++) {
+        for (uint32_t frame = 0; frame < 2; ++frame) {
             const int now = figure_part(middle(positions[leaf]), frame);
             weights[frame] = now ? 250.0f : -1.0f;
             part = std::max(part, now);
@@ -50,7 +50,7 @@ inline voctree::VOctree figure_tree() {
         // γ = π/2: the functions of R_00 = √(2/π) give the mean colour, those of R_11 shading from one side (+x, +y).
         const glm::dvec3 colour = part == 1 ? glm::dvec3(0.75, 0.5, 0.35) : glm::dvec3(0.2, 0.35, 0.25);
         const uint32_t functions = hh_count(1);
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; ++c) {
             float* hh = weights + 2 * tree.bases + static_cast<uint32_t>(c) * functions;
             hh[0] = static_cast<float>(std::log(colour[c] / (1 - colour[c])) / 0.2820948 / std::sqrt(2 / M_PI));
             hh[2] = hh[4] = -0.7f;

@@ -53,11 +53,11 @@ struct TreeCheck {
         uint32_t entry = words.z;
         const uint64_t live = uint64_t{words.y} << 32 | words.x;
         ASSERT_NE(live, 0u) << "a dead node is reached";
-        for (uint32_t bit = 0; bit < 64; bit++) {
+        for (uint32_t bit = 0; bit < 64; ++bit) {
             if (!(live >> bit & 1)) continue;
             const bool wide = words.w >> (bit / 8) & 1;
             ASSERT_LT(entry, host.leaves.size());
-            entries++;
+            ++entries;
             const glm::uvec2 first = host.entries[size_t{entry} * sh_count(tree.hh_degree)];
             if (first.x & kEntryIsNode) {
                 EXPECT_EQ(host.leaves[entry], kNoLeaf);
@@ -66,7 +66,7 @@ struct TreeCheck {
             } else {
                 check_leaf(host.leaves[entry], entry, 2 * level + (wide ? 1 : 2));
             }
-            entry++;
+            ++entry;
             if (wide) bit += 7;
         }
     }
@@ -83,8 +83,8 @@ struct TreeCheck {
         const glm::uvec2* words = &host.entries[size_t{entry} * functions];
         worst_rest = std::max(worst_rest, relative(number(words[0].x, 0), truth[leaf].sigma, truth[leaf].sigma));
         const auto mean = [](double k) { return 1 / (1 + std::exp(-0.28209479177387814 * k)); };
-        for (size_t j = 0; j < functions; j++)
-            for (size_t c = 0; c < 3; c++) {
+        for (size_t j = 0; j < functions; ++j)
+            for (size_t c = 0; c < 3; ++c) {
                 const double k = c == 0 ? number(words[j].x, 16) : number(words[j].y, c == 1 ? 0 : 16);
                 const double expected = truth[leaf].k[c][j], error = relative(k, expected, std::abs(expected));
                 worst = std::max(worst, error);

@@ -66,8 +66,8 @@ struct N3Tree {
         if (functions == 0) return {leaf[0], leaf[1], leaf[2]};
         const std::vector<double> basis = svox_basis(functions, direction);
         glm::dvec3 sum(0);
-        for (int channel = 0; channel < 3; channel++)
-            for (uint32_t i = 0; i < functions; i++)
+        for (int channel = 0; channel < 3; ++channel)
+            for (uint32_t i = 0; i < functions; ++i)
                 sum[channel] += basis[i] * double{leaf[static_cast<uint32_t>(channel) * functions + i]};
         return sum;
     }
@@ -102,10 +102,10 @@ inline N3Tree random_n3tree(uint32_t functions, bool halves, uint64_t seed) {
         const uint32_t parent = random.below(node), cell = 8 * parent + random.below(8);
         if (tree.child[cell] != 0) continue;
         tree.child[cell] = static_cast<int32_t>(node - parent);
-        node++;
+        ++node;
     }
-    for (uint64_t cell = 0; cell < 8 * kCapacity; cell++) {
-        for (uint64_t i = 0; i + 1 < tree.numbers(); i++) {
+    for (uint64_t cell = 0; cell < 8 * kCapacity; ++cell) {
+        for (uint64_t i = 0; i + 1 < tree.numbers(); ++i) {
             const auto value = static_cast<float>(random.uniform(-3, 3));
             tree.data.push_back(halves ? voctree::float_from_half(voctree::half_from_float(value)) : value);
         }

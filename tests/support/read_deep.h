@@ -26,7 +26,7 @@ inline media::DeepImage read_deep(const std::filesystem::path& path) {
     const char* const names[] = {"Z", "ZBack", "R", "G", "B", "A"};
     std::vector<std::vector<float>> values(6);
     std::vector<std::vector<float*>> pixels(6);
-    for (size_t c = 0; c < 6; c++) {
+    for (size_t c = 0; c < 6; ++c) {
         pixels[c].resize(image.counts.size());
         buffer.insert(names[c], Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(pixels[c].data()), sizeof(float*),
                                                sizeof(float*) * image.width, sizeof(float)));
@@ -34,13 +34,13 @@ inline media::DeepImage read_deep(const std::filesystem::path& path) {
     file.setFrameBuffer(buffer);
     file.readPixelSampleCounts(window.min.y, window.max.y);
     image.samples.resize(std::accumulate(image.counts.begin(), image.counts.end(), size_t{0}));
-    for (size_t c = 0; c < 6; c++) {
+    for (size_t c = 0; c < 6; ++c) {
         values[c].resize(image.samples.size());
         float* at = values[c].data();
         for (size_t i = 0; i < image.counts.size(); at += image.counts[i++]) pixels[c][i] = at;
     }
     file.readPixels(window.min.y, window.max.y);
-    for (size_t i = 0; i < image.samples.size(); i++)
+    for (size_t i = 0; i < image.samples.size(); ++i)
         image.samples[i] = {values[0][i], values[1][i], {values[2][i], values[3][i], values[4][i], values[5][i]}};
     return image;
 }

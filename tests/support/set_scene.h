@@ -29,7 +29,7 @@ inline MeshData rectangle(glm::vec3 corner, glm::vec3 u, glm::vec3 v) {
     MeshData mesh;
     for (const glm::vec3& vertex : {corner, corner + u, corner + u + v, corner + v})
         mesh.positions.insert(mesh.positions.end(), {vertex.x, vertex.y, vertex.z});
-    for (int i = 0; i < 4; i++) mesh.normals.insert(mesh.normals.end(), {normal.x, normal.y, normal.z});
+    for (int i = 0; i < 4; ++i) mesh.normals.insert(mesh.normals.end(), {normal.x, normal.y, normal.z});
     mesh.uvs = {0, 1, 1, 1, 1, 0, 0, 0};
     mesh.indices = {0, 1, 2, 0, 2, 3};
     return mesh;
@@ -38,8 +38,8 @@ inline MeshData rectangle(glm::vec3 corner, glm::vec3 u, glm::vec3 v) {
 inline MeshData sphere(glm::vec3 centre, float radius, uint32_t rows) {
     MeshData mesh;
     const uint32_t columns = 2 * rows;
-    for (uint32_t row = 0; row <= rows; row++)
-        for (uint32_t column = 0; column <= columns; column++) {
+    for (uint32_t row = 0; row <= rows; ++row)
+        for (uint32_t column = 0; column <= columns; ++column) {
             const double theta = std::numbers::pi * row / rows, phi = 2 * std::numbers::pi * column / columns;
             const glm::vec3 n(std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi));
             const glm::vec3 vertex = centre + radius * n;
@@ -48,8 +48,8 @@ inline MeshData sphere(glm::vec3 centre, float radius, uint32_t rows) {
             mesh.uvs.insert(mesh.uvs.end(), {static_cast<float>(column) / static_cast<float>(columns),
                                              static_cast<float>(row) / static_cast<float>(rows)});
         }
-    for (uint32_t row = 0; row < rows; row++)
-        for (uint32_t column = 0; column < columns; column++) {
+    for (uint32_t row = 0; row < rows; ++row)
+        for (uint32_t column = 0; column < columns; ++column) {
             const uint32_t a = row * (columns + 1) + column, b = a + columns + 1;
             mesh.indices.insert(mesh.indices.end(), {a, b, b + 1, a, b + 1, a + 1});
         }
@@ -113,7 +113,7 @@ inline std::vector<glm::dvec4> download_colours(const gpu::Device& device, const
     std::vector<uint16_t> halves(from.bytes / 2);
     gpu::download(device, from, halves.data(), from.bytes);
     std::vector<glm::dvec4> colours(halves.size() / 4);
-    for (size_t i = 0; i < halves.size(); i++)
+    for (size_t i = 0; i < halves.size(); ++i)
         colours[i / 4][static_cast<int>(i % 4)] = voctree::float_from_half(halves[i]);
     return colours;
 }

@@ -46,12 +46,12 @@ inline glm::dvec4 sphere_colour(const SphereCapture& capture, const stage::Camer
 // The image of a camera, with sixteen samples per pixel and straight alpha.
 inline media::Image sphere_image(const SphereCapture& capture, const stage::Camera& camera, double time) {
     media::Image image(camera.width, camera.height);
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
+    for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x) {
             glm::dvec4 sum(0);
-            for (uint32_t i = 0; i < 16; i++)
+            for (uint32_t i = 0; i < 16; ++i)
                 sum += sphere_colour(capture, camera, time, {x + (i % 4 + 0.5) / 4, y + (i / 4 + 0.5) / 4});
-            for (int c = 0; c < 3 && sum.a > 0; c++)
+            for (int c = 0; c < 3 && sum.a > 0; ++c)
                 image.at(x, y)[c] = static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(sum[c] / sum.a)));
             image.at(x, y)[3] = static_cast<uint8_t>(std::lround(255 * sum.a / 16));
         }
@@ -63,14 +63,14 @@ inline training::Dataset sphere_dataset(const SphereCapture& capture) {
     dataset.folder = "sphere";
     dataset.fps = 25;
     dataset.plates.resize(capture.cameras);
-    for (uint32_t camera = 0; camera < capture.cameras; camera++) {
+    for (uint32_t camera = 0; camera < capture.cameras; ++camera) {
         dataset.cameras.push_back(sphere_camera(capture, camera));
-        for (uint32_t frame = 0; frame < capture.frames; frame++)
+        for (uint32_t frame = 0; frame < capture.frames; ++frame)
             dataset.views.push_back(
                 {fmt::format("c{:02}_f{:03}", camera, frame), camera, capture.time(frame),
                  training::TiledImage(sphere_image(capture, dataset.cameras.back(), capture.time(frame)))});
     }
-    for (uint32_t frame = 0; frame < capture.frames; frame++) dataset.times.push_back(capture.time(frame));
+    for (uint32_t frame = 0; frame < capture.frames; ++frame) dataset.times.push_back(capture.time(frame));
     return dataset;
 }
 
@@ -80,7 +80,7 @@ inline void write_capture(const std::filesystem::path& folder, const training::D
     for (const training::View& view : dataset.views) {
         const stage::Camera& camera = dataset.cameras[view.camera];
         std::string rows;
-        for (int row = 0; row < 4; row++) {
+        for (int row = 0; row < 4; ++row) {
             const glm::dmat4& m = camera.world_from_camera;
             rows += fmt::format("{}[{},{},{},{}]", row > 0 ? "," : "", m[0][row], m[1][row], m[2][row], m[3][row]);
         }

@@ -29,7 +29,7 @@ inline std::vector<media::Image> held_out_renders(const gpu::Device& device, con
     render::FrameRenderer renderer(device, field, {capture.size, capture.size});
     std::vector<media::Image> renders;
     for (const uint32_t camera : {1u, 6u})
-        for (uint32_t frame = 0; frame < capture.frames; frame++)
+        for (uint32_t frame = 0; frame < capture.frames; ++frame)
             renders.push_back(renderer.render(
                 sphere_camera(between, camera),
                 {.instances = {{static_cast<float>(frame)}}, .width = capture.size, .height = capture.size}));
@@ -47,14 +47,14 @@ inline std::vector<media::Image> held_out_truths(const SphereCapture& capture) {
     between.first_angle += std::numbers::pi / capture.cameras;
     std::vector<media::Image> truths;
     for (const uint32_t camera : {1u, 6u})
-        for (uint32_t frame = 0; frame < capture.frames; frame++)
+        for (uint32_t frame = 0; frame < capture.frames; ++frame)
             truths.push_back(sphere_image(capture, sphere_camera(between, camera), capture.time(frame)));
     return truths;
 }
 
 inline double mean_psnr(const std::vector<media::Image>& truths, const std::vector<media::Image>& renders) {
     double sum = 0;
-    for (size_t i = 0; i < truths.size(); i++)
+    for (size_t i = 0; i < truths.size(); ++i)
         sum += training::compare(over_white(truths[i]), over_white(renders[i])).psnr;
     return sum / static_cast<double>(truths.size());
 }

@@ -22,7 +22,7 @@ class ThreadTeam {
     // still wait for it, all end, and this throws the first exception.
     void run(const std::function<void(const training::Team&)>& member) {
         std::vector<std::thread> threads;
-        for (uint32_t rank = 0; rank < said_.size(); rank++)
+        for (uint32_t rank = 0; rank < said_.size(); ++rank)
             threads.emplace_back([&, rank] { run_member(rank, member); });
         for (std::thread& thread : threads) thread.join();
         if (problem_) std::rethrow_exception(problem_);
@@ -50,10 +50,10 @@ class ThreadTeam {
     // Returns when all members have said something.
     void say(uint32_t rank, std::vector<training::Bytes> words) {
         said_[rank] = std::move(words);
-        gathered_[rank]++;
+        ++gathered_[rank];
         pass_on();
         wait_for_turn(rank);
-        for (size_t other = 0; other < said_.size(); other++)
+        for (size_t other = 0; other < said_.size(); ++other)
             if (ended_[other] && gathered_[other] < gathered_[rank])
                 throw std::logic_error("a member has ended, and another one waits for it");
     }
@@ -71,7 +71,7 @@ class ThreadTeam {
     void pass_on() {
         const std::lock_guard lock(mutex_);
         const auto size = static_cast<uint32_t>(said_.size());
-        for (uint32_t i = 0; i < size; i++) {
+        for (uint32_t i = 0; i < size; ++i) {
             turn_ = (turn_ + 1) % size;
             if (turn_ == 0) heard_ = said_;
             if (!ended_[turn_]) break;

@@ -33,8 +33,8 @@ inline Traced trace_on_device(render::FrameRenderer& renderer, const stage::Came
 inline Traced trace_by_reference(const voctree::VOctree& tree, const stage::Camera& camera, double frame, double stop) {
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
     Traced traced;
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
+    for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x) {
             const reference::RayResult ray = reference::trace(tree, slices, reference::camera_ray(camera, x, y), stop);
             traced.radiance.emplace_back(glm::vec3(ray.colour), static_cast<float>(ray.alpha));
             traced.depth.push_back(static_cast<float>(ray.depth_m));
@@ -47,8 +47,8 @@ inline Traced shade_by_reference(const voctree::VOctree& tree, const stage::Came
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     const glm::dvec3 eye(camera.world_from_camera[3]);
     Traced traced;
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
+    for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x) {
             const reference::Ray pixel = reference::camera_ray(camera, x, y);
             const reference::RayResult ray =
                 reference::composite(reference::ray_samples_shaded(tree, slices, positions, eye, pixel), 0);
@@ -73,9 +73,9 @@ inline void raise(double& worst, double error) {
 
 inline Difference difference(const Traced& traced, const Traced& truth) {
     Difference worst;
-    for (size_t i = 0; i < truth.radiance.size(); i++) {
+    for (size_t i = 0; i < truth.radiance.size(); ++i) {
         const glm::vec4 light = traced.radiance[i], expected = truth.radiance[i];
-        for (int channel = 0; channel < 3; channel++) {
+        for (int channel = 0; channel < 3; ++channel) {
             const double value = reference::display_value(light[channel]);
             const double expected_value = reference::display_value(expected[channel]);
             raise(worst.steps, 255 * std::abs(value - expected_value));

@@ -70,7 +70,7 @@ inline voctree::VOctree standing_tree(uint32_t frames) {
     tree.gamma_basis.assign(frames, 0);
     const std::vector<coach::BodyBone> body = coach::body_of(standing_pose(), 0.95);
     std::vector<voctree::LeafPosition> positions;
-    for (uint32_t i = 0; i < kSide * kSide * kSide; i++) {
+    for (uint32_t i = 0; i < kSide * kSide * kSide; ++i) {
         const voctree::LeafPosition position{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
         const glm::dvec3 middle = (glm::dvec3(position.x, position.y, position.z) + 0.5) / double{kSide};
         if (std::ranges::any_of(body, [&](const coach::BodyBone& each) {
@@ -79,11 +79,11 @@ inline voctree::VOctree standing_tree(uint32_t frames) {
             positions.push_back(position);
     }
     voctree::build_topology(tree, positions);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         float* weights = tree.leaf(leaf);
         weights[0] = 250;
         // γ = π/2: the functions of R_00 = √(2/π) give the mean colour, those of R_11 shading from one side (+x, +y).
-        for (uint32_t c = 0; c < 3; c++) {
+        for (uint32_t c = 0; c < 3; ++c) {
             float* hh = weights + 2 * kBases + c * hh_count(1);
             hh[2] = hh[4] = -0.7f;
         }

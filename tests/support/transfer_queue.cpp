@@ -86,7 +86,7 @@ VkResult VKAPI_CALL create_pool(VkDevice of, const VkCommandPoolCreateInfo* info
 VkResult VKAPI_CALL create_buffer(VkDevice of, const VkBufferCreateInfo* info, const VkAllocationCallbacks* allocator,
                                   VkBuffer* buffer) {
     std::vector<uint32_t> shared;  // without the layer's family
-    for (uint32_t i = 0; i < info->queueFamilyIndexCount && info->sharingMode == VK_SHARING_MODE_CONCURRENT; i++)
+    for (uint32_t i = 0; i < info->queueFamilyIndexCount && info->sharingMode == VK_SHARING_MODE_CONCURRENT; ++i)
         if (const uint32_t family = drivers_family(info->pQueueFamilyIndices[i]);
             std::find(shared.begin(), shared.end(), family) == shared.end())
             shared.push_back(family);
@@ -136,7 +136,7 @@ VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info, const VkAl
 VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
                                   const VkAllocationCallbacks* allocator, VkDevice* created) {
     std::vector<VkDeviceQueueCreateInfo> queues;
-    for (uint32_t i = 0; i < info->queueCreateInfoCount; i++)
+    for (uint32_t i = 0; i < info->queueCreateInfoCount; ++i)
         if (info->pQueueCreateInfos[i].queueFamilyIndex != families) queues.push_back(info->pQueueCreateInfos[i]);
     VkDeviceCreateInfo changed = *info;
     changed.queueCreateInfoCount = static_cast<uint32_t>(queues.size());

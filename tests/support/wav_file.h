@@ -15,7 +15,7 @@ inline void write_wav(const std::filesystem::path& path, const std::vector<int16
                       uint32_t rate) {
     std::ofstream file(path, std::ios::binary);
     const auto number = [&](uint32_t value, int bytes) {
-        for (int i = 0; i < bytes; i++) file.put(static_cast<char>(value >> 8 * i));
+        for (int i = 0; i < bytes; ++i) file.put(static_cast<char>(value >> 8 * i));
     };
     const auto bytes = static_cast<uint32_t>(2 * samples.size());
     file << "RIFF";
@@ -36,7 +36,7 @@ inline void write_wav(const std::filesystem::path& path, const std::vector<int16
 // A sine of 440 Hz, the right half as loud as the left.
 inline std::vector<int16_t> stereo_tone(uint32_t samples, uint32_t rate = 48000) {
     std::vector<int16_t> tone;
-    for (uint32_t i = 0; i < samples; i++) {
+    for (uint32_t i = 0; i < samples; ++i) {
         const double value = 16000 * std::sin(2 * std::numbers::pi * 440 * i / rate);
         tone.push_back(static_cast<int16_t>(std::lround(value)));
         tone.push_back(static_cast<int16_t>(std::lround(value / 2)));

@@ -52,17 +52,17 @@ inline voctree::VOctree waver_tree() {
     tree.fps = 4;
     tree.hh_degree = 0;
     tree.sigma_basis.assign(size_t{kWaverFrames} * kWaverFrames, 0);
-    for (uint32_t i = 0; i < kWaverFrames; i++) tree.sigma_basis[i * kWaverFrames + i] = 1;
+    for (uint32_t i = 0; i < kWaverFrames; ++i) tree.sigma_basis[i * kWaverFrames + i] = 1;
     tree.gamma_basis.assign(tree.sigma_basis.size(), 0);
     std::vector<voctree::LeafPosition> positions;
     std::vector<std::pair<uint32_t, glm::dvec3>> seen;  // bits of the frames in which the leaf is opaque; its colour
-    for (uint32_t i = 0; i < kCellsAcross * kCellsAcross * kCellsAcross; i++) {
+    for (uint32_t i = 0; i < kCellsAcross * kCellsAcross * kCellsAcross; ++i) {
         const voctree::LeafPosition position{i % kCellsAcross, i / kCellsAcross % kCellsAcross,
                                              i / kCellsAcross / kCellsAcross, kDepth};
         const glm::dvec3 at = glm::dvec3(tree.box_min) + kEdge * (glm::dvec3(position.x, position.y, position.z) + 0.5);
         uint32_t frames = 0;
         glm::dvec3 colour(0);
-        for (uint32_t frame = 0; frame < kWaverFrames; frame++)
+        for (uint32_t frame = 0; frame < kWaverFrames; ++frame)
             for (const waver::Part& part : waver::parts_at(frame))
                 if (waver::distance_to(part, at) < 0) {
                     frames |= 1u << frame;
@@ -75,11 +75,11 @@ inline voctree::VOctree waver_tree() {
     voctree::build_topology(tree, positions);
     // H_000 is 1/√(2π²) at every γ: the colour is the sigmoid of weight / that.
     const double basis = 1 / std::sqrt(2 * std::numbers::pi * std::numbers::pi);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         float* weights = tree.leaf(leaf);
-        for (uint32_t frame = 0; frame < kWaverFrames; frame++)
+        for (uint32_t frame = 0; frame < kWaverFrames; ++frame)
             weights[frame] = seen[leaf].first >> frame & 1 ? 120.0f : -1.0f;
-        for (int channel = 0; channel < 3; channel++) {
+        for (int channel = 0; channel < 3; ++channel) {
             const double colour = seen[leaf].second[channel];
             weights[2 * tree.bases + static_cast<uint32_t>(channel)] =
                 static_cast<float>(std::log(colour / (1 - colour)) / basis);

@@ -22,7 +22,7 @@ constexpr uint32_t kStageImages = 30;  // three seconds
 // images here.
 motion::SkeletonClip at_rate(const motion::SkeletonClip& clip, double fps) {
     motion::SkeletonClip result{fps, {}};
-    for (uint32_t i = 0; i < kStageImages; i++) result.frames.push_back(motion::pose_at(clip, i * clip.fps / fps));
+    for (uint32_t i = 0; i < kStageImages; ++i) result.frames.push_back(motion::pose_at(clip, i * clip.fps / fps));
     return result;
 }
 
@@ -64,7 +64,7 @@ struct CliCoach : CliGpu {
     }
     size_t count(const std::string& images) const {
         size_t found = 0;
-        while (std::filesystem::exists(image_file(images, found))) found++;
+        while (std::filesystem::exists(image_file(images, found))) ++found;
         return found;
     }
 };
@@ -77,8 +77,8 @@ double redness(const media::Image& image, uint32_t x, uint32_t y) {
 // Pixels that are redder in `red` than in `plain`, below the words at the top.
 size_t redder(const media::Image& red, const media::Image& plain) {
     size_t found = 0;
-    for (uint32_t y = 44; y < red.height; y++)
-        for (uint32_t x = 0; x < red.width; x++) found += redness(red, x, y) > redness(plain, x, y) + 30;
+    for (uint32_t y = 44; y < red.height; ++y)
+        for (uint32_t x = 0; x < red.width; ++x) found += redness(red, x, y) > redness(plain, x, y) + 30;
     return found;
 }
 

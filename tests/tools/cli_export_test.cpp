@@ -38,8 +38,8 @@ struct CliExported : CliGpu {
              about_z * glm::dvec3(camera.world_from_camera[3]), camera.fx, camera.fy, camera.cx, camera.cy, 96, 96},
             glm::dvec3(1));
         media::Image drawn(96, 96);
-        for (size_t i = 0; i < pixels.size(); i++)
-            for (size_t c = 0; c < 4; c++)
+        for (size_t i = 0; i < pixels.size(); ++i)
+            for (size_t c = 0; c < 4; ++c)
                 drawn.rgba[4 * i + c] =
                     static_cast<uint8_t>(c == 3 ? 255 : std::lround(255 * pixels[i][static_cast<int>(c)]));
         return training::compare(shown, drawn).psnr;
@@ -188,7 +188,7 @@ TEST_F(CliStageSpace, PutsAPerformerWhereTheStageHasIt) {
     ASSERT_EQ(own.size(), staged.size());
     const auto up = [](const glm::dvec3& p) { return glm::dvec3(-p.x, -p.y, p.z); };     // the file's +Y is down
     const auto turned = [](const glm::dvec3& p) { return glm::dvec3(p.z, p.y, -p.x); };  // by 90° about +Y
-    for (size_t i = 0; i < own.size(); i++) {
+    for (size_t i = 0; i < own.size(); ++i) {
         const glm::dvec3 at = 2.0 * turned(up(own[i].position)) + glm::dvec3(1, 2, 3);
         EXPECT_LT(glm::distance(up(staged[i].position), at), 1e-4);
         EXPECT_NEAR(staged[i].scale.x, 2 * own[i].scale.x, 0.1 * own[i].scale.x);
@@ -257,7 +257,7 @@ TEST_F(CliStageSpace, RefusesWhatAKindCannotKeep) {
 struct CliMesh : CliExported {
     void SetUp() override {
         std::vector<voctree::LeafPosition> positions;
-        for (uint32_t i = 0; i < 32 * 32 * 32; i++) {
+        for (uint32_t i = 0; i < 32 * 32 * 32; ++i) {
             const glm::uvec3 cell(i % 32, i / 32 % 32, i / 1024);
             if (glm::distance(glm::vec3(cell) + 0.5f, glm::vec3(16)) < 12)
                 positions.push_back({cell.x, cell.y, cell.z, 5});
@@ -270,7 +270,7 @@ struct CliMesh : CliExported {
         tree.sigma_basis = {1, 1};
         tree.gamma_basis = {0, 0};
         voctree::build_topology(tree, positions);
-        for (uint32_t i = 0; i < tree.leaf_count; i++) tree.leaf(i)[0] = 1e4f;
+        for (uint32_t i = 0; i < tree.leaf_count; ++i) tree.leaf(i)[0] = 1e4f;
         CliGpu::SetUp();
     }
 };
@@ -321,7 +321,7 @@ TEST_F(CliMesh, GlbIsDrawnAsScenery) {
     const media::Image image = media::read_png(file("m.png"));
     int grey = 0;
     for (size_t i = 0; i < image.rgba.size(); i += 4)
-        if (std::abs(image.rgba[i] - 188) <= 2 && image.rgba[i] == image.rgba[i + 2]) grey++;  // 0.5 of linear light
+        if (std::abs(image.rgba[i] - 188) <= 2 && image.rgba[i] == image.rgba[i + 2]) ++grey;  // 0.5 of linear light
     EXPECT_GT(grey, 100);
 }
 

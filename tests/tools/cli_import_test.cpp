@@ -41,7 +41,7 @@ TEST_F(CliImport, FramesOfVolumesBecomeAClip) {
 // Splats that are all as opaque as `opacity`, of which one floats far away.
 interchange::Splats splats_of(float opacity, const glm::vec3& floater) {
     interchange::Splats splats{0, std::vector<interchange::Splat>(60)};
-    for (size_t i = 0; i < splats.splats.size(); i++) {
+    for (size_t i = 0; i < splats.splats.size(); ++i) {
         interchange::Splat& splat = splats.splats[i];
         splat.centre = 0.1f * glm::vec3(i % 4, i / 4 % 4, i / 16);
         splat.deviation = glm::vec3(0.05f);

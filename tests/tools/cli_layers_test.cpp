@@ -39,7 +39,7 @@ std::pair<double, double> difference(const media::Image& a, const media::Image& 
     std::pair<double, double> worst{0, 0};
     for (size_t p = 0; p < a.rgba.size(); p += 4) {
         worst.first = std::max(worst.first, std::abs(1.0 * a.rgba[p + 3] - b.rgba[p + 3]));
-        for (size_t c = 0; c < 3; c++)
+        for (size_t c = 0; c < 3; ++c)
             worst.second = std::max(
                 worst.second, std::abs(a.rgba[p + c] * a.rgba[p + 3] / 255.0 - b.rgba[p + c] * b.rgba[p + 3] / 255.0));
     }
@@ -58,7 +58,7 @@ TEST_F(CliLayers, AMovShowsThePicturesOfTheSameFramesWithAlpha) {
         EXPECT_EQ(reader.frames(), 8u);
         media::Image seen;
         bool clear = false, solid = false;
-        for (uint32_t i = 0; reader.next(seen); i++) {
+        for (uint32_t i = 0; reader.next(seen); ++i) {
             const media::Image truth = media::read_png(media::parse_output(file("o_%d.png")).file(i));
             const auto [alpha, colour] = difference(seen, truth);
             EXPECT_LE(alpha, 1) << video << " " << i;
@@ -96,15 +96,15 @@ TEST_F(CliLayers, DeepSamplesOfAStageAreItsFlatImage) {
     double worst = 0, nearest = 0;
     size_t floor = 0;
     auto sample = deep.samples.begin();
-    for (size_t i = 0; i < deep.counts.size(); i++) {
+    for (size_t i = 0; i < deep.counts.size(); ++i) {
         double sum[4] = {}, last_m = 0;
         for (const auto end = sample + deep.counts[i]; sample != end; ++sample) {
             const double through = 1 - sum[3];
-            for (size_t c = 0; c < 4; c++) sum[c] += through * double{sample->rgba[c]};
+            for (size_t c = 0; c < 4; ++c) sum[c] += through * double{sample->rgba[c]};
             EXPECT_LE(last_m, double{sample->near_m});
             last_m = double{sample->far_m};
         }
-        for (size_t c = 0; c < 4; c++)
+        for (size_t c = 0; c < 4; ++c)
             worst = std::max(
                 worst, std::abs(sum[c] - double{flat.rgba[4 * i + c]}) / std::max(1.0, double{flat.rgba[4 * i + c]}));
         if (deep.counts[i] == 0) continue;

@@ -24,8 +24,8 @@ struct PaintedSegments : CliGpu {
 
     void SetUp() override {
         CliGpu::SetUp();
-        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-            for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 40;
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+            for (uint32_t c = 0; c < tree.bases; ++c) tree.leaf(leaf)[c] *= 40;
         voctree::write_nvv(scene, tree);
         for (const uint32_t overlap : {0u, 1u}) write_segmented_copy(tree, {1, 2, 1}, clips[1 + overlap], overlap);
         media::Image red(20, 20);
@@ -55,11 +55,11 @@ struct PaintedSegments : CliGpu {
     void expect_same(const std::vector<std::string>& call) {
         const std::vector<media::Image> one = stills(scene, call);
         double shown = 0;
-        for (size_t i = 0; i < one.size(); i++) shown += distance(one[i], plain[0][i]);
+        for (size_t i = 0; i < one.size(); ++i) shown += distance(one[i], plain[0][i]);
         EXPECT_GT(shown, 1) << fmt::format("{}", fmt::join(call, " "));
-        for (size_t c = 1; c < clips.size(); c++) {
+        for (size_t c = 1; c < clips.size(); ++c) {
             const std::vector<media::Image> many = stills(clips[c], call);
-            for (size_t i = 0; i < one.size(); i++)
+            for (size_t i = 0; i < one.size(); ++i)
                 EXPECT_LE(distance(many[i], one[i]), distance(plain[c][i], plain[0][i]))
                     << clips[c] << ", frame " << i << ": " << fmt::format("{}", fmt::join(call, " "));
         }

@@ -62,8 +62,8 @@ TEST_F(CliPaint, RegionsAreErasedAndRestored) {
 }
 
 TEST_F(CliPaint, BrushAndPictureReachWhatTheCameraSees) {
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-        for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] *= 40;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+        for (uint32_t c = 0; c < tree.bases; ++c) tree.leaf(leaf)[c] *= 40;
     voctree::write_nvv(scene, tree);
     const media::Image plain = image("");
     EXPECT_GT(paint({"brush", "--line", "10,20", "30,20", "--size", "40x40", "--at", "1", "--radius", "0.3", "--colour",
@@ -149,8 +149,8 @@ struct CliStagePaint : CliPaint {
     // Red on the left, green on the right.
     void write_halves() const {
         media::Image halves(96, 72);
-        for (uint32_t y = 0; y < 72; y++)
-            for (uint32_t x = 0; x < 96; x++) {
+        for (uint32_t y = 0; y < 72; ++y)
+            for (uint32_t x = 0; x < 96; ++x) {
                 halves.at(x, y)[x < 48 ? 0 : 1] = 255;
                 halves.at(x, y)[3] = 255;
             }
@@ -170,8 +170,8 @@ struct Halves {
 };
 Halves halves_of(const media::Image& before, const media::Image& after) {
     Halves halves;
-    for (uint32_t y = 0; y < 72; y++)
-        for (uint32_t x = 0; x < 96; x++) {
+    for (uint32_t y = 0; y < 72; ++y)
+        for (uint32_t x = 0; x < 96; ++x) {
             const uint8_t *was = before.at(x, y), *is = after.at(x, y);
             const int change = std::abs(is[0] - was[0]) + std::abs(is[1] - was[1]) + std::abs(is[2] - was[2]);
             if (change < 24 || (x >= 46 && x < 50)) continue;
@@ -246,10 +246,10 @@ TEST_F(CliStagePaint, ABrushColoursThePixelThatItIsPutOn) {
     project({});
     const media::Image painted = still();
     glm::uvec2 at(0);  // a pixel of the performer, well inside its outline
-    for (uint32_t x = 8; x < 88 && at.x == 0; x++) {
+    for (uint32_t x = 8; x < 88 && at.x == 0; ++x) {
         bool within = true;
-        for (uint32_t dx = 0; dx < 9; dx++)
-            for (uint32_t dy = 0; dy < 9; dy++) {
+        for (uint32_t dx = 0; dx < 9; ++dx)
+            for (uint32_t dy = 0; dy < 9; ++dy) {
                 const uint8_t *was = before.at(x + dx - 4, 32 + dy), *is = painted.at(x + dx - 4, 32 + dy);
                 within = within && std::abs(was[0] - is[0]) + std::abs(was[1] - is[1]) > 24;
             }

@@ -91,7 +91,7 @@ TEST_F(CliRender, PartsAreTheWhole) {
     part("parts_%d.png", "1/2");
     EXPECT_FALSE(std::filesystem::exists(file("parts_7.png")));
     part("parts_%d.png", "2/2");
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < 8; ++i)
         EXPECT_EQ(media::read_png(folder.path / ("parts_" + std::to_string(i) + ".png")).rgba,
                   media::read_png(folder.path / ("one_" + std::to_string(i) + ".png")).rgba);
 
@@ -110,7 +110,7 @@ TEST_F(CliRender, PartsAreTheWhole) {
     media::VideoReader a(file("one.mp4")), b(file("parts.mp4"));
     for (media::Image of_a, of_b; a.next(of_a) && b.next(of_b);) {
         double difference = 0;
-        for (size_t p = 0; p < of_a.rgba.size(); p++) difference += std::abs(of_a.rgba[p] - of_b.rgba[p]);
+        for (size_t p = 0; p < of_a.rgba.size(); ++p) difference += std::abs(of_a.rgba[p] - of_b.rgba[p]);
         EXPECT_LT(difference / static_cast<double>(of_a.rgba.size()), 2);
     }
     const ProgramResult whole = run_neuvv(command("parts.mp4", {"--part", "1/3", "--resume", "--json"}));
@@ -147,12 +147,12 @@ TEST_F(CliRender, AClipInSegmentsShowsWhatOneFileDoes) {
             const ProgramResult result = run_neuvv(words);
             EXPECT_EQ(result.code, 0) << result.err;
             std::vector<media::Image> read;
-            for (int i = 0; i < 6; i++)
+            for (int i = 0; i < 6; ++i)
                 read.push_back(media::read_png(file(("s_" + std::to_string(i) + ".png").c_str())));
             return read;
         };
         const auto one = images(scene), many = images(parts);
-        for (size_t i = 0; i < one.size(); i++) EXPECT_EQ(many[i].rgba, one[i].rgba) << i << direct;
+        for (size_t i = 0; i < one.size(); ++i) EXPECT_EQ(many[i].rgba, one[i].rgba) << i << direct;
     }
 }
 

@@ -140,7 +140,7 @@ TEST_F(CliSegments, TheyAreMadeSmallerOneByOne) {
     const voctree::ClipIndex before = voctree::read_clip_index(parts),
                              index = voctree::read_clip_index(file("small.nvv"));
     ASSERT_EQ(index.segments.size(), 2u);
-    for (size_t i = 0; i < 2; i++) {
+    for (size_t i = 0; i < 2; ++i) {
         EXPECT_EQ(index.segments[i].frames, before.segments[i].frames);
         EXPECT_LT(std::filesystem::file_size(index.segments[i].file),
                   std::filesystem::file_size(before.segments[i].file));
@@ -494,7 +494,7 @@ TEST_F(CliMpiTraining, ARankIsKilled) {
                std::sscanf(claim->owner.c_str(), "process %ld of", &process) == 1 && !is_first_rank(process);
     };
     ASSERT_TRUE(job.until([&] {
-        for (victim = 0; victim < 3; victim++)
+        for (victim = 0; victim < 3; ++victim)
             if (can_be_killed(victim)) return true;
         return false;
     })) << log();

@@ -40,7 +40,7 @@ struct CliSound : CliGpu {
         const media::Sound sound = media::read_sound(video);
         EXPECT_NEAR(sound.length_s(), 1, 0.05);
         double most = 0;
-        for (size_t i = media::kSoundRate / 4; i < media::kSoundRate * 3 / 4; i++)
+        for (size_t i = media::kSoundRate / 4; i < media::kSoundRate * 3 / 4; ++i)
             most = std::max(most, std::abs(sound.samples[i][side] / 16000.0));
         return most;
     }

@@ -153,8 +153,8 @@ TEST_F(CliStage, LinearPicturesHoldTheSetAndItsDepth) {
     const media::LinearImage linear = media::read_exr(file("still.exr"));
     ASSERT_EQ(linear.width, 64u);
     size_t off = 0, floor = 0;
-    for (size_t i = 0; i < linear.depth_m.size(); i++) {
-        for (size_t c = 0; c < 3; c++) {
+    for (size_t i = 0; i < linear.depth_m.size(); ++i) {
+        for (size_t c = 0; c < 3; ++c) {
             const float light = linear.rgba[4 * i + c];
             const double byte = 255 * media::srgb_from_linear(std::min(1.0, static_cast<double>(light)));
             off += std::abs(byte - shown.rgba[4 * i + c]) > 1;

@@ -10,7 +10,7 @@ namespace neuvv {
 // The mean difference of their bytes.
 inline double distance(const media::Image& a, const media::Image& b) {
     double sum = 0;
-    for (size_t i = 0; i < a.rgba.size(); i++) sum += std::abs(int{a.rgba[i]} - int{b.rgba[i]});
+    for (size_t i = 0; i < a.rgba.size(); ++i) sum += std::abs(int{a.rgba[i]} - int{b.rgba[i]});
     return sum / static_cast<double>(a.rgba.size());
 }
 

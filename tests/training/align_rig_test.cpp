@@ -68,7 +68,7 @@ TEST_F(AlignRigTest, ARigThatHasMovedComesBack) {
     for (stage::Camera& camera : rendered.dataset.cameras) camera = training::moved(camera, spoilt, {0.1, 0, 0.2});
     const double psnr_before = training::evaluate(device(), rendered.clip, rendered.dataset, 2).mean.psnr;
     const training::RigAlignment found = align(rendered);
-    for (size_t i = 0; i < truth.size(); i++) {
+    for (size_t i = 0; i < truth.size(); ++i) {
         stage::Camera& camera = rendered.dataset.cameras[i];
         before = std::max(before, distance_px(truth[i], camera, found.centre));
         camera = training::moved(camera, found.motion, found.centre);

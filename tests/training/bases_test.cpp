@@ -14,9 +14,9 @@ TEST(Bases, HatRowsSumToOne) {
     for (const auto& [frames, bases] : {std::pair(1u, 1u), {9u, 1u}, {9u, 2u}, {10u, 4u}, {75u, 31u}, {64u, 64u}}) {
         const std::vector<float> basis = voctree::hat_basis(frames, bases);
         ASSERT_EQ(basis.size(), size_t{frames} * bases);
-        for (uint32_t t = 0; t < frames && bases > 1; t++) {
+        for (uint32_t t = 0; t < frames && bases > 1; ++t) {
             float sum = 0;
-            for (uint32_t c = 0; c < bases; c++) sum += basis[t * bases + c];
+            for (uint32_t c = 0; c < bases; ++c) sum += basis[t * bases + c];
             EXPECT_NEAR(sum, 1, 1e-5) << frames << ' ' << bases << ' ' << t;
         }
         EXPECT_EQ(basis.front(), 1);
@@ -31,8 +31,8 @@ TEST(Bases, OneBasisIsConstant) {
 
 TEST(Bases, AsManyBasesAsFramesAreTheIdentity) {
     const std::vector<float> basis = voctree::hat_basis(12, 12);
-    for (uint32_t t = 0; t < 12; t++)
-        for (uint32_t c = 0; c < 12; c++) EXPECT_EQ(basis[t * 12 + c], t == c ? 1.0f : 0.0f);
+    for (uint32_t t = 0; t < 12; ++t)
+        for (uint32_t c = 0; c < 12; ++c) EXPECT_EQ(basis[t * 12 + c], t == c ? 1.0f : 0.0f);
 }
 
 // Between two frames a time reads both rows, at a frame and beyond the clip one of them.
@@ -60,7 +60,7 @@ TEST(Bases, GammaSweepsItsRangeAndNeverStartsAtTheZeroOfOddDegrees) {
     for (const uint32_t bases : {1u, 2u, 31u}) {
         const std::vector<float> weights = voctree::initial_gamma_weights(bases);
         ASSERT_EQ(weights.size(), bases);
-        for (uint32_t c = 1; c < bases; c++) EXPECT_GT(weights[c], weights[c - 1]);
+        for (uint32_t c = 1; c < bases; ++c) EXPECT_GT(weights[c], weights[c - 1]);
         const auto share = [](float weight) { return 1 / (1 + std::exp(-static_cast<double>(weight))); };
         if (bases == 1) {
             EXPECT_GT(std::abs(share(weights[0]) - 0.5), 0.1);
@@ -77,10 +77,10 @@ TEST(CourseSolver, FindsTheWeightsOfACourseInTheSpan) {
         const std::vector<float> basis = voctree::hat_basis(frames, bases);
         std::vector<float> truth(bases), values(frames), found(bases);
         for (float& weight : truth) weight = static_cast<float>(random.bell());
-        for (uint32_t t = 0; t < frames; t++)
-            for (uint32_t c = 0; c < bases; c++) values[t] += basis[t * bases + c] * truth[c];
+        for (uint32_t t = 0; t < frames; ++t)
+            for (uint32_t c = 0; c < bases; ++c) values[t] += basis[t * bases + c] * truth[c];
         training::BasisSolver(basis, frames, bases).solve(values.data(), found.data());
-        for (uint32_t c = 0; c < bases; c++) EXPECT_NEAR(found[c], truth[c], 1e-4) << frames << ' ' << bases;
+        for (uint32_t c = 0; c < bases; ++c) EXPECT_NEAR(found[c], truth[c], 1e-4) << frames << ' ' << bases;
     }
 }
 

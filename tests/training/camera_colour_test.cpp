@@ -26,14 +26,14 @@ training::Dataset spoilt(training::Dataset dataset, std::vector<glm::vec3>& gain
     const auto cameras = static_cast<uint32_t>(dataset.cameras.size());
     gains.assign(cameras, glm::vec3(1));
     const std::array<uint32_t, 3> strides{5, 7, 11};  // prime to 12 and 13 cameras, so that each gain occurs once
-    for (uint32_t i = 0; i < cameras; i++)
-        for (int c = 0; c < 3; c++) {
+    for (uint32_t i = 0; i < cameras; ++i)
+        for (int c = 0; c < 3; ++c) {
             const uint32_t place = i * strides[static_cast<size_t>(c)] % cameras;
             gains[i][c] += 0.15f * (2 * static_cast<float>(place) / static_cast<float>(cameras - 1) - 1);
         }
     for (training::View& view : dataset.views)
         edit_image(view, [&](media::Image& image) {
-            for (size_t i = 0; i < image.rgba.size(); i++) {
+            for (size_t i = 0; i < image.rgba.size(); ++i) {
                 uint8_t& value = image.rgba[i];
                 if (i % 4 == 3) continue;
                 const float light = media::linear_from_srgb_byte(value) * gains[view.camera][static_cast<int>(i % 4)];
@@ -45,7 +45,7 @@ training::Dataset spoilt(training::Dataset dataset, std::vector<glm::vec3>& gain
 
 double mean_gain_error(const std::vector<CameraColour>& found, const std::vector<glm::vec3>& truth) {
     double sum = 0;
-    for (size_t i = 0; i < truth.size(); i++)
+    for (size_t i = 0; i < truth.size(); ++i)
         sum += double{glm::dot(glm::abs(training::gains(found[i]) - truth[i]), glm::vec3(1.0f / 3))};
     return sum / static_cast<double>(truth.size());
 }
@@ -58,7 +58,7 @@ TEST(CameraColours, StayWithinBounds) {
     std::vector<CameraColour> gradients(1, CameraColour{});
     const std::vector<stage::Camera> cameras(2, sphere_camera({}, 0));
     for (glm::vec4& row : gradients[0].rows) row = glm::vec4(10);
-    for (uint64_t step = 1; step <= 500; step++) colours.learn(batch, cameras, gradients.data(), 0.01f, step);
+    for (uint64_t step = 1; step <= 500; ++step) colours.learn(batch, cameras, gradients.data(), 0.01f, step);
     for (const CameraColour& colour : colours.values) EXPECT_TRUE(training::is_bounded(colour));
     EXPECT_EQ(training::gains(colours.values[1]), glm::vec3(0.5f));
     const CameraColour back = training::inverse(colours.values[1]);
@@ -82,7 +82,7 @@ TEST_F(CameraColourTest, FindsTheGainsOfCameras) {
     EXPECT_LT(mean_gain_error(last.colours.values, gains), 0.035);  // 0.023 measured
     glm::vec3 sum(0);
     for (const CameraColour& colour : last.colours.values) sum += training::gains(colour);
-    for (int c = 0; c < 3; c++) EXPECT_NEAR(sum[c] / static_cast<float>(gains.size()), 1, 1e-5);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c] / static_cast<float>(gains.size()), 1, 1e-5);
 }
 
 TEST_F(CameraColourTest, AResumedRunKeepsItsColours) {
@@ -98,8 +98,8 @@ TEST_F(CameraColourTest, AResumedRunKeepsItsColours) {
     const training::TrainProgress first = training::train(device(), dataset, settings, nvv, to_the_end);
     const training::CameraColours saved = training::load_checkpoint(nvv).colours;
     ASSERT_EQ(saved.values.size(), dataset.cameras.size());
-    for (size_t i = 0; i < saved.values.size(); i++)
-        for (int row = 0; row < 3; row++) EXPECT_EQ(saved.values[i].rows[row], first.colours.values[i].rows[row]);
+    for (size_t i = 0; i < saved.values.size(); ++i)
+        for (int row = 0; row < 3; ++row) EXPECT_EQ(saved.values[i].rows[row], first.colours.values[i].rows[row]);
     EXPECT_GT(saved.second[0].rows[0].r, 0);
     settings.resume = true;
     settings.refine.colour = false;  // a resumed run keeps refining
@@ -120,17 +120,17 @@ TEST(CameraColours, MovesExposuresAndVignettesDownhill) {
     for (float& value : colours.vignettes.values) value = static_cast<float>(random.uniform(-0.2, 0.2));
     training::Batch batch;
     batch.frame = 2;
-    for (uint32_t i = 0; i < 6; i++) batch.tiles.push_back(Tile{i % 2, 8 * (i % 3), 8 * (i / 3), 0});
+    for (uint32_t i = 0; i < 6; ++i) batch.tiles.push_back(Tile{i % 2, 8 * (i % 3), 8 * (i / 3), 0});
     std::vector<CameraColour> gradients(batch.tiles.size());
     for (CameraColour& gradient : gradients)
         for (glm::vec4& row : gradient.rows)
-            for (int i = 0; i < 4; i++) row[i] = static_cast<float>(random.bell());
+            for (int i = 0; i < 4; ++i) row[i] = static_cast<float>(random.bell());
     // What the loss would be if it were linear in the tiles' colours.
     const auto loss = [&](const training::CameraColours& at) {
         double sum = 0;
-        for (size_t tile = 0; tile < batch.tiles.size(); tile++) {
+        for (size_t tile = 0; tile < batch.tiles.size(); ++tile) {
             const CameraColour colour = at.of_tile(batch, tile, cameras[batch.tiles[tile].camera]);
-            for (int row = 0; row < 3; row++) sum += double{glm::dot(colour.rows[row], gradients[tile].rows[row])};
+            for (int row = 0; row < 3; ++row) sum += double{glm::dot(colour.rows[row], gradients[tile].rows[row])};
         }
         return sum;
     };
@@ -147,7 +147,7 @@ TEST(CameraColours, MovesExposuresAndVignettesDownhill) {
         ASSERT_GT(std::abs(slope), 0.01);
         EXPECT_NEAR((next.*member).first[i] / 0.1f, slope, 0.01 * std::abs(slope)) << i;  // the mean of one gradient
     };
-    for (size_t i = 0; i < 4; i++) expect_derivative(&training::CameraColours::vignettes, i);
+    for (size_t i = 0; i < 4; ++i) expect_derivative(&training::CameraColours::vignettes, i);
     for (const size_t camera : {0u, 1u}) expect_derivative(&training::CameraColours::exposures, camera * 3 + 2);
     EXPECT_NEAR(next.exposures.values[2] + next.exposures.values[5], 0, 1e-6);
     EXPECT_NEAR(next.vignettes.values[1] + next.vignettes.values[3], 0, 1e-6);
@@ -164,7 +164,7 @@ TEST(CameraColours, ImagesThatAreMissingDoNotCount) {
     std::vector<CameraColour> gradients(2, CameraColour{});
     gradients[0].rows[0].r = -1;
     gradients[1].rows[0].r = 1;
-    for (uint64_t step = 1; step <= 20; step++) colours.learn(batch, cameras, gradients.data(), 0.01f, step);
+    for (uint64_t step = 1; step <= 20; ++step) colours.learn(batch, cameras, gradients.data(), 0.01f, step);
     EXPECT_GT(colours.exposures.values[0], 0.1f);
     EXPECT_NEAR(colours.exposures.values[0] + colours.exposures.values[2], 0, 1e-6);
     EXPECT_EQ(colours.exposures.values[1], 0);
@@ -191,19 +191,19 @@ TEST_F(CameraColourTest, FindsTheExposuresOfImages) {
     const size_t frames = dataset.times.size(), cameras = dataset.cameras.size();
     std::vector<float> truth(cameras * frames);
     Random random(4);
-    for (size_t frame = 0; frame < frames; frame++) {
+    for (size_t frame = 0; frame < frames; ++frame) {
         float mean = 0;
-        for (size_t camera = 0; camera < cameras; camera++) {
+        for (size_t camera = 0; camera < cameras; ++camera) {
             truth[camera * frames + frame] = static_cast<float>(random.uniform(-0.15, 0.15));
             mean += truth[camera * frames + frame] / static_cast<float>(cameras);
         }
-        for (size_t camera = 0; camera < cameras; camera++) truth[camera * frames + frame] -= mean;
+        for (size_t camera = 0; camera < cameras; ++camera) truth[camera * frames + frame] -= mean;
     }
     for (training::View& view : dataset.views) {
         const auto frame = static_cast<size_t>(std::ranges::find(dataset.times, view.time) - dataset.times.begin());
         const float gain = std::exp(truth[view.camera * frames + frame]);
         edit_image(view, [&](media::Image& image) {
-            for (size_t i = 0; i < image.rgba.size(); i++)
+            for (size_t i = 0; i < image.rgba.size(); ++i)
                 if (i % 4 != 3) {
                     const float light = media::linear_from_srgb_byte(image.rgba[i]) * gain;
                     image.rgba[i] =
@@ -217,7 +217,7 @@ TEST_F(CameraColourTest, FindsTheExposuresOfImages) {
     const training::TrainProgress last =
         training::train(device(), dataset, settings, folder.path / "performer.nvv", to_the_end);
     double before = 0, after = 0;
-    for (size_t i = 0; i < truth.size(); i++) {
+    for (size_t i = 0; i < truth.size(); ++i) {
         before += std::abs(double{truth[i]}) / static_cast<double>(truth.size());
         after +=
             std::abs(double{last.colours.exposures.values[i]} - double{truth[i]}) / static_cast<double>(truth.size());

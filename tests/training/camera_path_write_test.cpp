@@ -330,7 +330,7 @@ TEST_F(CameraPathWrite, DamagedUsdIsRefused) {
             const stage::Camera camera = stage::camera_at(path_read, 0.5, 8, 8);
             EXPECT_TRUE(std::isfinite(camera.fx) && camera.fx > 0);
             EXPECT_TRUE(std::isfinite(glm::length(glm::dvec3(camera.world_from_camera[3]))));
-            read++;
+            ++read;
         } catch (const InputError&) {
         }
     }

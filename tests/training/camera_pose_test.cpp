@@ -19,7 +19,7 @@ const glm::dvec3 kCentre(0.05, 0.1, -0.05);
 
 std::vector<stage::Camera> ring(uint32_t cameras) {
     std::vector<stage::Camera> result;
-    for (uint32_t i = 0; i < cameras; i++)
+    for (uint32_t i = 0; i < cameras; ++i)
         result.push_back(sphere_camera({.cameras = cameras, .size = 200, .distance_m = 3}, i));
     return result;
 }
@@ -29,7 +29,7 @@ std::vector<PoseChange> small_changes(size_t cameras, uint64_t seed) {
     Random random(seed);
     std::vector<PoseChange> changes(cameras);
     for (PoseChange& change : changes)
-        for (size_t i = 0; i < kPoseNumbers; i++) change[i] = i == training::kZoom ? 0 : random.uniform(-1, 1) * 0.004;
+        for (size_t i = 0; i < kPoseNumbers; ++i) change[i] = i == training::kZoom ? 0 : random.uniform(-1, 1) * 0.004;
     return changes;
 }
 
@@ -43,17 +43,17 @@ training::PoseEvidence evidence_of(const stage::Camera& given, const PoseChange&
             const glm::dvec3 point = kCentre + depth * (corner - kCentre);
             const glm::dvec2 error = training::seen_at(standing, point) - training::seen_at(right, point);
             std::array<glm::dvec2, kPoseNumbers> slope;
-            for (size_t i = 0; i < kPoseNumbers; i++) {
+            for (size_t i = 0; i < kPoseNumbers; ++i) {
                 PoseChange more = now;
                 more[i] += kStep;
                 const stage::Camera stepped = training::moved(given, more);
                 slope[i] = (training::seen_at(stepped, point) - training::seen_at(standing, point)) / kStep;
             }
             // As many residuals as the tiles of a round give, so that the prior weighs as little.
-            for (int i = 0; i < 400; i++) {
+            for (int i = 0; i < 400; ++i) {
                 const int axis = i % 2;
                 PoseChange derivatives;
-                for (size_t k = 0; k < kPoseNumbers; k++) derivatives[k] = slope[k][axis];
+                for (size_t k = 0; k < kPoseNumbers; ++k) derivatives[k] = slope[k][axis];
                 evidence.add(error[axis], derivatives, 1);
             }
         }
@@ -64,7 +64,7 @@ training::PoseEvidence evidence_of(const stage::Camera& given, const PoseChange&
 double image_error(const std::vector<stage::Camera>& given, const std::vector<PoseChange>& found,
                    const std::vector<PoseChange>& truth) {
     double sum = 0;
-    for (size_t i = 0; i < given.size(); i++) {
+    for (size_t i = 0; i < given.size(); ++i) {
         const stage::Camera at = training::moved(given[i], found[i]), right = training::moved(given[i], truth[i]);
         for (const glm::dvec3& point : training::scene_points(given[i], kCentre)) {
             const glm::dvec2 by = training::seen_at(at, point) - training::seen_at(right, point);
@@ -76,9 +76,9 @@ double image_error(const std::vector<stage::Camera>& given, const std::vector<Po
 
 std::vector<PoseChange> rounds(const std::vector<stage::Camera>& given, std::vector<PoseChange> changes,
                                const std::vector<PoseChange>& truth, int count) {
-    for (int round = 0; round < count; round++) {
+    for (int round = 0; round < count; ++round) {
         std::vector<training::PoseEvidence> evidence;
-        for (size_t i = 0; i < given.size(); i++) evidence.push_back(evidence_of(given[i], changes[i], truth[i]));
+        for (size_t i = 0; i < given.size(); ++i) evidence.push_back(evidence_of(given[i], changes[i], truth[i]));
         changes = training::next_poses(given, changes, evidence, kCentre, 1);
     }
     return changes;
@@ -101,7 +101,7 @@ TEST(CameraPose, MovesByItsNumbersInTheCamerasOwnAxes) {
 TEST(CameraPose, AStepMovesTheImageByAboutAsManyPixels) {
     const stage::Camera camera = ring(5)[2];
     const PoseChange steps = training::pose_steps(camera, kCentre, 2);
-    for (size_t i = 0; i < kPoseNumbers; i++) {
+    for (size_t i = 0; i < kPoseNumbers; ++i) {
         PoseChange change{};
         change[i] = steps[i];
         const double motion = training::image_motion(camera, change, kCentre);
@@ -128,9 +128,9 @@ TEST(PoseSolver, AMotionOfTheWholeRigIsTakenOut) {
     const std::vector<stage::Camera> given = ring(9);
     std::vector<PoseChange> common(given.size());
     const glm::dvec3 shift(0.01, -0.004, 0.006);
-    for (size_t i = 0; i < given.size(); i++) {
+    for (size_t i = 0; i < given.size(); ++i) {
         const glm::dvec3 own = glm::transpose(glm::dmat3(given[i].world_from_camera)) * shift;
-        for (int axis = 0; axis < 3; axis++) common[i][static_cast<size_t>(training::kShiftX + axis)] = own[axis];
+        for (int axis = 0; axis < 3; ++axis) common[i][static_cast<size_t>(training::kShiftX + axis)] = own[axis];
     }
     const std::vector<PoseChange> still(given.size());
     EXPECT_GT(image_error(given, common, still), 0.5);
@@ -156,7 +156,7 @@ TEST(PoseSolver, StaysWithinBounds) {
     truth[3][training::kTurnY] = 0.1;  // 6 degrees: not a calibration's error but another camera
     const std::vector<PoseChange> found = rounds(given, still, truth, 80);
     const PoseChange bounds = training::pose_bounds(given[3], kCentre);
-    for (size_t i = 0; i < kPoseNumbers; i++) EXPECT_LE(std::abs(found[3][i]), bounds[i]);
+    for (size_t i = 0; i < kPoseNumbers; ++i) EXPECT_LE(std::abs(found[3][i]), bounds[i]);
     EXPECT_TRUE(training::is_at_bound(found[3], bounds));
     EXPECT_FALSE(training::is_at_bound(found[0], training::pose_bounds(given[0], kCentre)));
 }

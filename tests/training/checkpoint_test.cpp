@@ -72,11 +72,11 @@ std::vector<float> fill_moments(const gpu::Device& device, const training::Train
     put(moments.rows_first, rows, -1);
     put(moments.rows_second, rows, 0);
     training::LeafUse use;
-    for (uint32_t i = 0; i < step.field().leaf_count; i++) {
+    for (uint32_t i = 0; i < step.field().leaf_count; ++i) {
         use.max_weight.push_back(static_cast<float>(random.uniform()));
         use.opacity_sensitivity.push_back(static_cast<float>(random.uniform()));
     }
-    for (size_t i = 0; i < size_t{(step.field().frames + 31) / 32} * step.field().leaf_count; i++)
+    for (size_t i = 0; i < size_t{(step.field().frames + 31) / 32} * step.field().leaf_count; ++i)
         use.frames.push_back(static_cast<uint32_t>(random.below(1u << 31)));
     training::write_use(device, step.tally(), use);
     return put(moments.first, numbers, -1);
@@ -100,7 +100,7 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.tree.gamma_basis, tree.gamma_basis);
     EXPECT_EQ(loaded.tree.children, tree.children);
     ASSERT_EQ(loaded.first.size(), first.size());
-    for (size_t i = 0; i < first.size(); i++) {
+    for (size_t i = 0; i < first.size(); ++i) {
         const float kept = std::bit_cast<float>(uint32_t{loaded.first[i]} << 16);
         ASSERT_NEAR(kept, first[i], std::abs(first[i]) / 256);  // bfloat16
     }
@@ -216,7 +216,7 @@ TEST(CheckpointFile, RefusesATruncatedState) {
 TEST(CheckpointFile, RefusesACorruptState) {
     const StateFile file;
     const std::string whole = read_text(file.state);
-    for (size_t i = 1; i < 20; i++) {
+    for (size_t i = 1; i < 20; ++i) {
         std::string bad = whole;
         bad[i * (whole.size() - 1) / 20] ^= 0x10;
         write_text(file.state, bad);

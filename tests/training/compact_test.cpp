@@ -26,14 +26,14 @@ TEST(Compact, NoFrameShowsADifference) {
     const glm::dvec3 direction = glm::normalize(glm::dvec3(0.3, -0.5, 0.8));
     size_t live = 0;
     double largest = 0;
-    for (uint32_t frame = 0; frame < before.frames; frame++) {
+    for (uint32_t frame = 0; frame < before.frames; ++frame) {
         const std::vector<reference::LeafSlice> slices = reference::slice_tree(before, frame);
         const std::vector<reference::LeafSlice> compact_slices = reference::slice_tree(after, frame);
-        for (uint32_t leaf = 0; leaf < before.leaf_count; leaf++) {
+        for (uint32_t leaf = 0; leaf < before.leaf_count; ++leaf) {
             const reference::LeafSlice &was = slices[leaf], &is = compact_slices[leaf];
             EXPECT_NEAR(is.sigma, was.sigma, was.sigma / 32);
             if (was.sigma <= 0) continue;
-            live++;
+            ++live;
             const glm::dvec3 wrong = reference::sample_colour(is, before.hh_degree, direction) -
                                      reference::sample_colour(was, before.hh_degree, direction);
             largest = std::max({largest, std::abs(wrong.x), std::abs(wrong.y), std::abs(wrong.z)});
@@ -48,12 +48,12 @@ TEST(Compact, EmptyFramesAreZeroWhereEachFrameHasItsBasis) {
     voctree::VOctree tree = tree_of(6, 6);
     training::make_compact(tree);
     size_t empty = 0;
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-        for (uint32_t c = 0; c < 6; c++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+        for (uint32_t c = 0; c < 6; ++c) {
             EXPECT_GE(tree.leaf(leaf)[c], 0);
             if (tree.leaf(leaf)[c] > 0) continue;
             EXPECT_EQ(tree.leaf(leaf)[6 + c], 0);
-            empty++;
+            ++empty;
         }
     EXPECT_GT(empty, 100u);
 }
@@ -64,13 +64,13 @@ TEST(Compact, ThinLeavesAreEmptied) {
     const auto sigma_of = [&](uint32_t leaf, float depth) {
         return depth * std::exp2(static_cast<float>(positions[leaf].depth)) / tree.box_size.x;
     };
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         tree.leaf(leaf)[1] = sigma_of(leaf, 0.9f * training::kThinDepth);
         tree.leaf(leaf)[2] = sigma_of(leaf, 1.1f * training::kThinDepth);
     }
     voctree::VOctree after = tree;
     training::empty_thin_leaves(after);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         EXPECT_EQ(after.leaf(leaf)[1], 0);
         EXPECT_EQ(after.leaf(leaf)[2], tree.leaf(leaf)[2]);
     }
@@ -87,9 +87,9 @@ TEST(Compact, LeavesThatAreEmptyInEveryFrameGo) {
         return a.x == b.x && a.y == b.y && a.z == b.z && a.depth == b.depth;
     };
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3)
-        for (uint32_t c = 0; c < 6; c++) tree.leaf(leaf)[c] = -std::abs(tree.leaf(leaf)[c]);
+        for (uint32_t c = 0; c < 6; ++c) tree.leaf(leaf)[c] = -std::abs(tree.leaf(leaf)[c]);
     std::vector<uint32_t> live;
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
         if (std::any_of(tree.leaf(leaf), tree.leaf(leaf) + 6, [](float sigma) { return sigma > 0; }))
             live.push_back(leaf);
     ASSERT_GT(live.size(), tree.leaf_count / 2);
@@ -98,13 +98,13 @@ TEST(Compact, LeavesThatAreEmptyInEveryFrameGo) {
     EXPECT_EQ(voctree::defect_of(after), "");
     ASSERT_EQ(after.leaf_count, live.size());
     const std::vector<voctree::LeafPosition> positions_after = voctree::leaf_positions(after);
-    for (uint32_t leaf = 0; leaf < after.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < after.leaf_count; ++leaf) {
         EXPECT_TRUE(same_position(positions_after[leaf], positions[live[leaf]])) << leaf;
         EXPECT_TRUE(std::equal(after.leaf(leaf), after.leaf(leaf) + after.weights_per_leaf(), tree.leaf(live[leaf])));
     }
 
     voctree::VOctree shared = tree_of(6, 5);  // a frame between two knots has shares of both bases
-    for (uint32_t leaf = 0; leaf < shared.leaf_count; leaf++) std::fill_n(shared.leaf(leaf), 5, 1.0f);
+    for (uint32_t leaf = 0; leaf < shared.leaf_count; ++leaf) std::fill_n(shared.leaf(leaf), 5, 1.0f);
     const uint32_t leaves = shared.leaf_count;
     shared.leaf(0)[1] = -1.0f;  // still dense in other frames
     std::fill_n(shared.leaf(1), 5, -1.0f);
@@ -118,8 +118,8 @@ TEST(Compact, SharedBasesKeepNegativeWeights) {
     voctree::VOctree after = before;
     training::make_compact(after);
     size_t negative = 0;
-    for (uint32_t leaf = 0; leaf < before.leaf_count; leaf++)
-        for (uint32_t c = 0; c < 5; c++) {
+    for (uint32_t leaf = 0; leaf < before.leaf_count; ++leaf)
+        for (uint32_t c = 0; c < 5; ++c) {
             EXPECT_NEAR(after.leaf(leaf)[c], before.leaf(leaf)[c], std::abs(before.leaf(leaf)[c]) / 64);
             negative += before.leaf(leaf)[c] < 0 ? 1 : 0;
         }

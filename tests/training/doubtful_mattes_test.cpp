@@ -31,7 +31,7 @@ bool meets(glm::vec3 eye, glm::vec3 ray, glm::vec3 centre, float radius) {
 
 bool sees_arm(glm::vec3 eye, glm::vec3 ray, uint32_t frame) {
     bool seen = false;
-    for (uint32_t i = 0; i < kArmBalls; i++) seen |= meets(eye, ray, arm_ball(frame, i), kArmRadius);
+    for (uint32_t i = 0; i < kArmBalls; ++i) seen |= meets(eye, ray, arm_ball(frame, i), kArmRadius);
     return seen;
 }
 
@@ -43,8 +43,8 @@ void paint_view(training::Dataset& dataset, size_t index, const Paint& paint) {
     const glm::mat4 pose(camera.world_from_camera);
     const auto frame = static_cast<uint32_t>(std::lround(view.time * (kFigureFrames - 1)));
     edit_image(view, [&](media::Image& image) {
-        for (uint32_t y = 0; y < camera.height; y++)
-            for (uint32_t x = 0; x < camera.width; x++) {
+        for (uint32_t y = 0; y < camera.height; ++y)
+            for (uint32_t x = 0; x < camera.width; ++x) {
                 const glm::vec3 at((x + 0.5 - camera.cx) / camera.fx, -(y + 0.5 - camera.cy) / camera.fy, -1);
                 const glm::vec3 eye(pose[3]), ray = glm::mat3(pose) * at;
                 paint(image.at(x, y), meets(eye, ray, glm::vec3(0), kBodyRadius), sees_arm(eye, ray, frame));
@@ -61,7 +61,7 @@ void set_alpha(uint8_t* pixel, bool opaque) {
 training::Dataset figure(uint32_t cameras, double lowered = 0) {
     training::Dataset dataset = sphere_dataset({.cameras = cameras, .frames = kFigureFrames, .size = 64});
     for (stage::Camera& camera : dataset.cameras) camera.cy += lowered;
-    for (size_t i = 0; i < dataset.views.size(); i++)
+    for (size_t i = 0; i < dataset.views.size(); ++i)
         paint_view(dataset, i, [](uint8_t* pixel, bool body, bool arm) { set_alpha(pixel, body || arm); });
     return dataset;
 }
@@ -87,14 +87,14 @@ std::vector<uint32_t> hull_of(const training::Dataset& dataset) {
 // The bits of `a` that are not set in `b`.
 int bits_beyond(const std::vector<uint32_t>& a, const std::vector<uint32_t>& b) {
     int count = 0;
-    for (size_t i = 0; i < a.size(); i++) count += std::popcount(a[i] & ~b[i]);
+    for (size_t i = 0; i < a.size(); ++i) count += std::popcount(a[i] & ~b[i]);
     return count;
 }
 
 void expect_untouched(training::Dataset dataset) {
     const training::Dataset before = dataset;
     EXPECT_TRUE(training::ignore_doubtful_mattes(dataset).empty());
-    for (size_t i = 0; i < dataset.views.size(); i++) {
+    for (size_t i = 0; i < dataset.views.size(); ++i) {
         EXPECT_TRUE(dataset.views[i].ignored.empty()) << i;
         EXPECT_EQ(dataset.views[i].image, before.views[i].image) << i;
     }
@@ -105,7 +105,7 @@ void expect_untouched(training::Dataset dataset) {
 void expect_repaired(training::Dataset spoilt, const training::Dataset& truth, const std::set<size_t>& wrong) {
     training::Dataset others = spoilt;
     others.views.clear();
-    for (size_t i = 0; i < spoilt.views.size(); i++)
+    for (size_t i = 0; i < spoilt.views.size(); ++i)
         if (!wrong.contains(i)) others.views.push_back(spoilt.views[i]);
     EXPECT_GT(bits_beyond(hull_of(truth), hull_of(spoilt)), 100) << "were the mattes left as they are";
     EXPECT_EQ(doubted(training::ignore_doubtful_mattes(spoilt)), wrong);

@@ -42,7 +42,7 @@ training::LeafUse use_of(const voctree::VOctree& tree, const std::vector<float>&
 void expect_sound(const voctree::VOctree& tree) {
     EXPECT_EQ(voctree::defect_of(tree), "");
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
-    for (uint32_t leaf = 0; leaf < positions.size(); leaf++)
+    for (uint32_t leaf = 0; leaf < positions.size(); ++leaf)
         ASSERT_EQ(voctree::find_leaf(tree, middle_of(positions[leaf])), leaf);
 }
 
@@ -75,7 +75,7 @@ TEST(Grow, FirstTreeHoldsTheSphereInCubes) {
     for (const voctree::LeafPosition& position : positions)
         EXPECT_EQ(position.depth, 3u);  // 5 for 32 cells, less two levels
     EXPECT_LT(positions.size(), 512u);
-    for (uint32_t frame = 0; frame < 3; frame++) {
+    for (uint32_t frame = 0; frame < 3; ++frame) {
         const glm::dvec3 centre = kCapture.centre(kCapture.time(frame));
         for (const glm::dvec3 off : {glm::dvec3(0), glm::dvec3(0.38, 0, 0), glm::dvec3(-0.2, 0.2, 0.2)}) {
             const glm::dvec3 position = (centre + off - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
@@ -90,10 +90,10 @@ TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
     const voctree::VOctree tree = first_tree();
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     size_t forbidden = 0;
-    for (uint32_t leaf = 0; leaf < positions.size(); leaf++) {
+    for (uint32_t leaf = 0; leaf < positions.size(); ++leaf) {
         const glm::dvec3 middle = world_of(tree, middle_of(positions[leaf]));
         bool ever = false;
-        for (uint32_t frame = 0; frame < 3; frame++) {
+        for (uint32_t frame = 0; frame < 3; ++frame) {
             ever |= sigma_at(tree, leaf, frame) > 0;
             const double distance = glm::length(middle - kCapture.centre(kCapture.time(frame)));
             if (distance < kCapture.radius_m) {
@@ -108,7 +108,7 @@ TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
 
 TEST(Grow, PrunesWhatIsNotReached) {
     voctree::VOctree tree = first_tree();
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[6] = static_cast<float>(leaf);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) tree.leaf(leaf)[6] = static_cast<float>(leaf);
     std::vector<float> max_weight(tree.leaf_count, 0.5f);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3) max_weight[leaf] = 0.001f;
     const voctree::VOctree grown =
@@ -116,7 +116,7 @@ TEST(Grow, PrunesWhatIsNotReached) {
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, tree.leaf_count - (tree.leaf_count + 2) / 3);
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
-    for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < grown.leaf_count; ++leaf) {
         const uint32_t before = voctree::find_leaf(tree, middle_of(positions[leaf]));
         EXPECT_NE(before % 3, 0u);
         EXPECT_TRUE(std::equal(grown.leaf(leaf), grown.leaf(leaf) + grown.weights_per_leaf(), tree.leaf(before)));
@@ -133,8 +133,8 @@ TEST(Grow, NothingReachedLeavesTheTree) {
 TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
     voctree::VOctree tree = first_tree();
     Random random(2);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-        for (uint32_t i = 3; i < tree.weights_per_leaf(); i++) tree.leaf(leaf)[i] = static_cast<float>(random.bell());
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+        for (uint32_t i = 3; i < tree.weights_per_leaf(); ++i) tree.leaf(leaf)[i] = static_cast<float>(random.bell());
     std::vector<float> max_weight(tree.leaf_count, 0.01f);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 2) max_weight[leaf] = 0.9f;
     const voctree::VOctree grown =
@@ -142,7 +142,7 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
     expect_sound(grown);
     size_t children = 0, emptied = 0;
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
-    for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < grown.leaf_count; ++leaf) {
         const glm::dvec3 middle = middle_of(positions[leaf]);
         const uint32_t parent = voctree::find_leaf(tree, middle);
         const bool child = positions[leaf].depth == 4;
@@ -150,7 +150,7 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
         children += child ? 1 : 0;
         EXPECT_TRUE(
             std::equal(grown.leaf(leaf) + 3, grown.leaf(leaf) + grown.weights_per_leaf(), tree.leaf(parent) + 3));
-        for (uint32_t frame = 0; frame < 3; frame++) {
+        for (uint32_t frame = 0; frame < 3; ++frame) {
             const float before = sigma_at(tree, parent, frame), now = sigma_at(grown, leaf, frame);
             const double distance = glm::length(world_of(grown, middle) - kCapture.centre(kCapture.time(frame)));
             if (!child || now > 0 || distance < kCapture.radius_m)
@@ -166,7 +166,7 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
 TEST(Grow, StaysWithinDepthAndLeafLimits) {
     const voctree::VOctree tree = first_tree();
     std::vector<float> max_weight(tree.leaf_count);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) max_weight[leaf] = 0.1f + static_cast<float>(leaf) * 1e-3f;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) max_weight[leaf] = 0.1f + static_cast<float>(leaf) * 1e-3f;
     const training::GrowSettings at_depth{.max_depth = 3, .min_weight_to_divide = 0.01f};
     EXPECT_EQ(training::grow(capture(), tree, use_of(tree, max_weight), at_depth).leaf_count, tree.leaf_count);
 
@@ -188,7 +188,7 @@ TEST(Grow, StaysWithinDepthAndLeafLimits) {
 TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
     const voctree::VOctree tree = first_tree();
     std::vector<float> max_weight(tree.leaf_count);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
         max_weight[leaf] = 0.5f - static_cast<float>(leaf / 2) * 1e-3f;
     const voctree::VOctree grown =
         training::grow(capture(), tree, use_of(tree, max_weight), {.max_depth = 5, .max_leaves = 21});
@@ -201,7 +201,7 @@ TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
 TEST(Grow, DividesWhereTheLossPullsHardest) {
     const voctree::VOctree tree = first_tree();
     training::LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
         use.opacity_sensitivity[leaf] = static_cast<float>(leaf * 7 % 101);
     const voctree::VOctree grown =
         training::grow(capture(), tree, use, {.max_depth = 5, .min_weight_to_divide = 0.1f, .divide_share = 0.25f});
@@ -214,7 +214,7 @@ TEST(Grow, DividesWhereTheLossPullsHardest) {
             min_divided = std::min(min_divided, opacity_sensitivity);
         else {
             max_undivided = std::max(max_undivided, opacity_sensitivity);
-            whole++;
+            ++whole;
         }
     }
     EXPECT_GE(min_divided, max_undivided);
@@ -238,14 +238,14 @@ TEST(Grow, NoLeafDividesThatShowsSmallerThanAsked) {
 TEST(Grow, LeavesAreEmptiedInFramesThatDidNotUseThem) {
     const voctree::VOctree tree = first_tree();
     training::LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) use.frames[leaf] = leaf % 2 ? 0b101 : 0b111;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) use.frames[leaf] = leaf % 2 ? 0b101 : 0b111;
     const voctree::VOctree grown = training::grow(capture(), tree, use, {.max_depth = 5, .empty_unused = true});
     ASSERT_EQ(grown.leaf_count, tree.leaf_count);
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
     size_t emptied = 0;
-    for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < grown.leaf_count; ++leaf) {
         const uint32_t before = voctree::find_leaf(tree, middle_of(positions[leaf]));
-        for (uint32_t frame = 0; frame < 3; frame++) {
+        for (uint32_t frame = 0; frame < 3; ++frame) {
             const bool unused = before % 2 == 1 && frame == 1;
             const float sigma = sigma_at(grown, leaf, frame), was = sigma_at(tree, before, frame);
             EXPECT_TRUE(unused ? sigma < 0 : std::abs(sigma - was) < 1e-3f) << sigma << ' ' << was;

@@ -39,16 +39,16 @@ training::Dataset two_balls(uint32_t hand_cameras) {
     };
     add({3, 0, 0}, {0, 0, 0}, 1);
     add({0, 0, 3}, {0, 0, 0}, 1);
-    for (uint32_t i = 0; i < 4 + hand_cameras; i++) {
+    for (uint32_t i = 0; i < 4 + hand_cameras; ++i) {
         const double angle = 0.3 + 1.5707963 * i;
         const glm::dvec3 target = i < 4 ? kBody : kHand;
         add(target + glm::dvec3(std::cos(angle), 2.8, std::sin(angle)), target, 3.3);
     }
     dataset.plates.resize(dataset.cameras.size());
-    for (uint32_t c = 0; c < dataset.cameras.size(); c++) {
+    for (uint32_t c = 0; c < dataset.cameras.size(); ++c) {
         media::Image image(96, 96);
-        for (uint32_t y = 0; y < 96; y++)
-            for (uint32_t x = 0; x < 96; x++)
+        for (uint32_t y = 0; y < 96; ++y)
+            for (uint32_t x = 0; x < 96; ++x)
                 for (const glm::dvec3& ball : {kBody, kHand})
                     if (is_hit(dataset.cameras[c], x + 0.5, y + 0.5, ball))
                         std::fill_n(image.at(x, y), 4, uint8_t{255});
@@ -96,9 +96,9 @@ TEST(HullBox, KeepsWhatPixelsNeedHoweverFewSeeIt) {
 // The box with which the search begins holds what close-ups show that do not look at the middle.
 TEST(HullBox, BeginsWithAllThatImagesShow) {
     training::Dataset dataset = two_balls(4);
-    for (uint32_t c = 0; c < 2; c++) dataset.cameras[c].fx = dataset.cameras[c].fy = 400;  // close-ups of the body
+    for (uint32_t c = 0; c < 2; ++c) dataset.cameras[c].fx = dataset.cameras[c].fy = 400;  // close-ups of the body
     const Box box = training::first_box(dataset);
-    for (int axis = 0; axis < 3; axis++) {
+    for (int axis = 0; axis < 3; ++axis) {
         EXPECT_LT(box.first[axis], kBody[axis] - kRadius);
         EXPECT_GT(box.second[axis], kHand[axis] + kRadius);
     }

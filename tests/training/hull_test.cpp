@@ -22,7 +22,7 @@ bool allowed(const std::vector<uint32_t>& bits, size_t words, size_t cell, uint3
 std::vector<training::HullCell> grid(uint32_t side) {
     std::vector<training::HullCell> cells;
     const float edge = 2.0f / static_cast<float>(side);
-    for (uint32_t i = 0; i < side * side * side; i++) {
+    for (uint32_t i = 0; i < side * side * side; ++i) {
         const glm::vec3 at(i % side, i / side % side, i / side / side);
         cells.push_back({edge * (at + 0.5f) - 1.0f, edge * 0.8660254f});
     }
@@ -36,16 +36,16 @@ TEST(Hull, NeverCarvesMatterAndCarvesMostOfTheRest) {
     const std::vector<uint32_t> bits = training::carve(dataset, cells);
     ASSERT_EQ(training::hull_words(dataset), 1u);
     ASSERT_EQ(bits.size(), cells.size());
-    for (uint32_t frame = 0; frame < capture.frames; frame++) {
+    for (uint32_t frame = 0; frame < capture.frames; ++frame) {
         size_t matter = 0, empty = 0, empty_kept = 0;
-        for (size_t i = 0; i < cells.size(); i++) {
+        for (size_t i = 0; i < cells.size(); ++i) {
             const double distance = glm::length(glm::dvec3(cells[i].centre) - capture.centre(capture.time(frame)));
             const double radius = cells[i].radius;
             if (distance < capture.radius_m + 0.5 * radius) {
-                matter++;
+                ++matter;
                 EXPECT_TRUE(allowed(bits, 1, i, frame)) << "frame " << frame << ", cell " << i;
             } else if (distance > capture.radius_m + 3 * radius) {
-                empty++;
+                ++empty;
                 empty_kept += allowed(bits, 1, i, frame) ? 1 : 0;
             }
         }
@@ -63,7 +63,7 @@ TEST(Hull, KeepsABallThatBarelyTouchesMatter) {
     const double pixel_m = capture.distance_m / dataset.cameras[0].fx;
     Random random(4);
     std::vector<training::HullCell> touching;
-    for (int i = 0; i < 3000; i++) {
+    for (int i = 0; i < 3000; ++i) {
         const glm::dvec3 away = glm::normalize(glm::dvec3(random.bell(), random.bell(), random.bell()));
         const double radius = random.uniform(0.03, 0.25);
         const double distance = capture.radius_m + radius - 1.5 * pixel_m;
@@ -81,7 +81,7 @@ TEST(Hull, FramesBeyondThirtyTwoHaveTheirOwnBits) {
         const std::vector<uint32_t> bits =
             training::carve(dataset, {{glm::vec3(capture.centre(capture.time(seen))), 0.05f}});
         ASSERT_EQ(bits.size(), 2u);
-        for (uint32_t frame = 0; frame < capture.frames; frame++) {
+        for (uint32_t frame = 0; frame < capture.frames; ++frame) {
             const double moved = glm::length(capture.centre(capture.time(frame)) - capture.centre(capture.time(seen)));
             if (moved < capture.radius_m) {
                 EXPECT_TRUE(allowed(bits, 2, 0, frame)) << seen << ' ' << frame;
@@ -136,7 +136,7 @@ TEST(Hull, BoxEnclosesTheSphereInAllFrames) {
         if (given) dataset.box = {{-1.1, -1.1, -1.1}, {1.1, 1.1, 1.1}};
         const auto [low, high] = training::hull_box(dataset);
         const glm::dvec3 amplitude(capture.travel_m, 0, 0), radius(capture.radius_m), middle = capture.centre(0.5);
-        for (int axis = 0; axis < 3; axis++) {
+        for (int axis = 0; axis < 3; ++axis) {
             EXPECT_LE(low[axis], (middle - amplitude - radius)[axis]);
             EXPECT_GE(high[axis], (middle + amplitude + radius)[axis]);
             EXPECT_LT(high[axis] - low[axis], 1.5 * 2 * (amplitude + radius)[axis]);
@@ -149,8 +149,8 @@ TEST(Hull, RefusesMattesThatFitNowhere) {
     training::Dataset mirrored = dataset;
     for (training::View& view : mirrored.views)  // mattes at the left edge for some cameras, at the right for others
         edit_image(view, [&](media::Image& image) {
-            for (uint32_t y = 0; y < image.height; y++)
-                for (uint32_t x = 0; x < image.width; x++)
+            for (uint32_t y = 0; y < image.height; ++y)
+                for (uint32_t x = 0; x < image.width; ++x)
                     image.at(x, y)[3] = (view.camera % 2 ? x < 3 : x + 3 >= image.width) ? 255 : 0;
         });
     for (training::View& view : dataset.views) clear_image(view);
@@ -160,7 +160,7 @@ TEST(Hull, RefusesMattesThatFitNowhere) {
 
 TEST(Hull, RefusesCamerasThatAllLookTheSameWay) {
     training::Dataset dataset = sphere_dataset({.frames = 1});
-    for (size_t i = 0; i < dataset.cameras.size(); i++) {
+    for (size_t i = 0; i < dataset.cameras.size(); ++i) {
         dataset.cameras[i] = dataset.cameras[0];
         dataset.cameras[i].world_from_camera[3].y += 0.1 * static_cast<double>(i);
     }
@@ -182,7 +182,7 @@ TEST(Hull, IgnoredPixelsDoNotCarve) {
     view.ignored.resize(size_t{capture.size} * capture.size, true);
     const std::vector<uint32_t> believed = training::carve(truth, cells), kept = training::carve(dataset, cells);
     EXPECT_GT(count(believed), 0);
-    for (size_t i = 0; i < cells.size(); i++) EXPECT_TRUE(kept[i] || !believed[i]) << i;
+    for (size_t i = 0; i < cells.size(); ++i) EXPECT_TRUE(kept[i] || !believed[i]) << i;
     EXPECT_LT(count(kept), static_cast<ptrdiff_t>(cells.size()) / 4) << "the others still carve";
 }
 

@@ -21,8 +21,8 @@ const SphereCapture kCapture{
 // A wall with a pattern of stripes and checks, from dark to bright.
 media::Image wall(uint32_t side) {
     media::Image image(side, side);
-    for (uint32_t y = 0; y < side; y++)
-        for (uint32_t x = 0; x < side; x++) {
+    for (uint32_t y = 0; y < side; ++y)
+        for (uint32_t x = 0; x < side; ++x) {
             const uint32_t check = (x / 12 + y / 12) % 2;
             image.at(x, y)[0] = static_cast<uint8_t>(30 + 60 * check);
             image.at(x, y)[1] = static_cast<uint8_t>(40 + 40 * check + x / 3);
@@ -38,13 +38,13 @@ media::Image seen(const media::Image& performer, const media::Image& background,
                   uint64_t seed) {
     Random random(seed);
     media::Image image = background;
-    for (size_t i = 0; i < image.rgba.size(); i++) {
+    for (size_t i = 0; i < image.rgba.size(); ++i) {
         if (i % 4 == 3) continue;
         const double alpha = performer.rgba[i | 3] / 255.0;
         const double light = alpha * media::linear_from_srgb(performer.rgba[i] / 255.0) +
                              (1 - alpha) * media::linear_from_srgb(background.rgba[i] / 255.0);
         double noise = -6;  // the sum of twelve uniform numbers has nearly a normal distribution
-        for (int k = 0; k < 12; k++) noise += static_cast<double>(random.below(1000)) / 999;
+        for (int k = 0; k < 12; ++k) noise += static_cast<double>(random.below(1000)) / 999;
         image.rgba[i] = static_cast<uint8_t>(
             std::clamp(std::lround(255 * media::srgb_from_linear(light) + sigma * noise + exposure), 0l, 255l));
     }
@@ -58,7 +58,7 @@ struct Agreement {
 
 Agreement agreement(const std::vector<uint8_t>& matte, const media::Image& truth) {
     double both = 0, either = 0, error = 0;
-    for (size_t i = 0; i < matte.size(); i++) {
+    for (size_t i = 0; i < matte.size(); ++i) {
         const bool a = matte[i] > 127, b = truth.rgba[4 * i + 3] > 127;
         both += a && b;
         either += a || b;
@@ -70,7 +70,7 @@ Agreement agreement(const std::vector<uint8_t>& matte, const media::Image& truth
 // The capture as ordinary cameras record it: opaque, in front of the wall.
 training::Dataset opaque_capture(const training::Dataset& truth, double sigma) {
     training::Dataset dataset = truth;
-    for (size_t i = 0; i < dataset.views.size(); i++)
+    for (size_t i = 0; i < dataset.views.size(); ++i)
         dataset.views[i].image.store(seen(truth.views[i].image.whole(), wall(kCapture.size), sigma, 0, i));
     return dataset;
 }
@@ -106,8 +106,8 @@ TEST(Matte, NothingIsFoundWhereNothingIs) {
 
 TEST(Matte, EdgesAreSoft) {
     media::Image plate(40, 40), image(40, 40);  // black; the image has a white square whose left column is half covered
-    for (uint32_t y = 10; y < 30; y++)
-        for (uint32_t x = 10; x < 30; x++)
+    for (uint32_t y = 10; y < 30; ++y)
+        for (uint32_t x = 10; x < 30; ++x)
             std::fill_n(image.at(x, y), 3,
                         static_cast<uint8_t>(x == 10 ? std::lround(255 * media::srgb_from_linear(0.5)) : 255));
     const std::vector<uint8_t> matte = training::difference_matte(image, plate, {});
@@ -120,8 +120,8 @@ TEST(Matte, EdgesAreSoft) {
 TEST(Matte, SpecksAreDroppedAndHolesClosed) {
     media::Image plate(100, 100), image(100, 100);
     const auto paint = [&](uint32_t left, uint32_t top, uint32_t side, uint8_t value) {
-        for (uint32_t y = top; y < top + side; y++)
-            for (uint32_t x = left; x < left + side; x++) std::fill_n(image.at(x, y), 3, value);
+        for (uint32_t y = top; y < top + side; ++y)
+            for (uint32_t x = left; x < left + side; ++x) std::fill_n(image.at(x, y), 3, value);
     };
     paint(30, 30, 40, 200);
     paint(45, 45, 4, 0);   // a button in the background's colour: 16 of 10,000 pixels
@@ -137,7 +137,7 @@ TEST(Matte, SpecksAreDroppedAndHolesClosed) {
 TEST(Matte, TheMedianForgetsWhoPassesBy) {
     const training::Dataset truth = sphere_dataset(kCapture);
     std::vector<media::Image> frames;
-    for (size_t i = 0; i < 9; i++) frames.push_back(seen(truth.views[i].image.whole(), wall(96), 0, 0, i));
+    for (size_t i = 0; i < 9; ++i) frames.push_back(seen(truth.views[i].image.whole(), wall(96), 0, 0, i));
     EXPECT_EQ(training::median_background(frames).rgba, wall(96).rgba);
     EXPECT_NE(training::median_background({frames[0], frames[0], frames[1]}).rgba, wall(96).rgba);
 }
@@ -157,7 +157,7 @@ struct MatteFiles : ::testing::Test {
         Agreement worst{1, 0};
         const training::Dataset loaded = training::load_dataset(job.dataset, training::Split::kTrain);
         EXPECT_EQ(loaded.views.size(), truth.views.size());
-        for (size_t i = 0; i < loaded.views.size(); i++) {
+        for (size_t i = 0; i < loaded.views.size(); ++i) {
             std::vector<uint8_t> alpha;
             const media::Image image = loaded.views[i].image.whole();
             for (size_t k = 3; k < image.rgba.size(); k += 4) alpha.push_back(image.rgba[k]);
@@ -175,7 +175,7 @@ TEST_F(MatteFiles, AreWhatTrainingReads) {
     std::filesystem::create_directories(job.output);
     uint64_t calls = 0;
     const training::MatteSummary summary = training::make_mattes(job, [&](uint64_t done, uint64_t total) {
-        calls++;
+        ++calls;
         EXPECT_LE(done, total);
         EXPECT_EQ(total, 18u);
         return true;
@@ -202,7 +202,7 @@ TEST_F(MatteFiles, AreTakenFromAnotherProgram) {
     EXPECT_EQ(loaded_agreement().mae, 0);
     media::Image grey(96, 96);  // its brightness counts, as it has no alpha
     for (uint8_t& byte : grey.rgba) byte = 255;
-    for (uint32_t x = 0; x < 50; x++) std::fill_n(grey.at(x, 0), 3, uint8_t{77});
+    for (uint32_t x = 0; x < 50; ++x) std::fill_n(grey.at(x, 0), 3, uint8_t{77});
     for (const training::View& view : truth.views) media::write_png(job.from / (view.name + ".png"), grey);
     training::make_mattes(job, {});
     EXPECT_EQ(media::read_png(job.output / "c00_f000.png").at(49, 0)[0], 77);

@@ -25,18 +25,18 @@ voctree::VOctree families_tree(uint32_t families) {
     tree.box_size = glm::vec3(2);
     tree.sigma_basis = tree.gamma_basis = voctree::hat_basis(kFrames, kFrames);
     std::vector<voctree::LeafPosition> positions;
-    for (uint32_t family = 0; family < families; family++)
-        for (uint32_t i = 0; i < 8; i++) positions.push_back({2 * family + (i & 1), i >> 1 & 1, i >> 2, 3});
+    for (uint32_t family = 0; family < families; ++family)
+        for (uint32_t i = 0; i < 8; ++i) positions.push_back({2 * family + (i & 1), i >> 1 & 1, i >> 2, 3});
     positions.pop_back();
     positions.push_back({1, 1, 1, 1});
     voctree::build_topology(tree, positions);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         float* weights = tree.leaf(leaf);
-        for (uint32_t c = 0; c < kFrames; c++) {
+        for (uint32_t c = 0; c < kFrames; ++c) {
             weights[c] = 4 * std::log(2.0f);  // as an edge is 1/4 m
             weights[kFrames + c] = 0.3f * static_cast<float>(c);
         }
-        for (uint32_t w = 2 * kFrames; w < tree.weights_per_leaf(); w++)
+        for (uint32_t w = 2 * kFrames; w < tree.weights_per_leaf(); ++w)
             weights[w] = 3 * std::cos(static_cast<float>(w));
     }
     return tree;
@@ -44,7 +44,7 @@ voctree::VOctree families_tree(uint32_t families) {
 
 training::LeafUse use_of(const voctree::VOctree& tree) {
     training::LeafUse use;
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         use.max_weight.push_back(0.01f * static_cast<float>(leaf + 1));
         use.opacity_sensitivity.push_back(static_cast<float>(leaf));
         use.frames.push_back(1u << leaf % kFrames);
@@ -70,7 +70,7 @@ TEST(Merge, AWholeFamilyThatAgreesBecomesItsParent) {
     EXPECT_EQ(leaf_at(tree, {1, 1, 1, 3}), parent);
     EXPECT_FLOAT_EQ(tree.leaf(parent)[0], before.leaf(0)[0]);
     EXPECT_FLOAT_EQ(tree.leaf(parent)[1], before.leaf(0)[1] * (1 + 0.1f / 8));
-    for (uint32_t w = 2; w < tree.weights_per_leaf(); w++) EXPECT_FLOAT_EQ(tree.leaf(parent)[w], before.leaf(0)[w]);
+    for (uint32_t w = 2; w < tree.weights_per_leaf(); ++w) EXPECT_FLOAT_EQ(tree.leaf(parent)[w], before.leaf(0)[w]);
     EXPECT_FLOAT_EQ(use.max_weight[parent], 0.08f);
     EXPECT_EQ(use.opacity_sensitivity[parent], 0);
     EXPECT_EQ(use.frames[parent], 7u);
@@ -104,8 +104,8 @@ TEST(Merge, AFamilyThatDiffersInOneFrameStays) {
 // Colours of transparent leaves may differ.
 TEST(Merge, ClearLeavesMayDifferInColour) {
     voctree::VOctree tree = families_tree(2);
-    for (uint32_t i = 0; i < 8; i++) {
-        for (uint32_t c = 0; c < kFrames; c++) tree.leaf(i)[c] = 0.01f;
+    for (uint32_t i = 0; i < 8; ++i) {
+        for (uint32_t c = 0; c < kFrames; ++c) tree.leaf(i)[c] = 0.01f;
         tree.leaf(i)[2 * kFrames] = i % 2 ? 9.0f : -9.0f;
     }
     training::LeafUse use = use_of(tree);
@@ -119,7 +119,7 @@ TEST(Merge, OnlyWhatFramesUsedMustAgree) {
         voctree::VOctree tree = families_tree(2);
         change(tree.leaf(5));
         training::LeafUse use = use_of(tree);
-        for (uint32_t i = 0; i < 8; i++) use.frames[i] = i == 5 ? frames_of_one : frames_of_all;
+        for (uint32_t i = 0; i < 8; ++i) use.frames[i] = i == 5 ? frames_of_one : frames_of_all;
         return training::merge_alike(tree, use, 0.05f) == 1;
     };
     const auto denser = [](float* leaf) { leaf[2] *= 1.5f; };
@@ -136,7 +136,7 @@ TEST(Merge, OnlyWhatFramesUsedMustAgree) {
     voctree::VOctree tree = families_tree(2);
     other_colour(tree.leaf(5));
     training::LeafUse use = use_of(tree);
-    for (uint32_t i = 0; i < 8; i++) use.frames[i] = i == 5 ? 3 : 7;
+    for (uint32_t i = 0; i < 8; ++i) use.frames[i] = i == 5 ? 3 : 7;
     const float seen = tree.leaf(0)[kFrames + 2];
     ASSERT_EQ(training::merge_alike(tree, use, 0.05f), 1u);
     EXPECT_FLOAT_EQ(tree.leaf(leaf_at(tree, {0, 0, 0, 2}))[kFrames + 2], seen);
@@ -145,8 +145,8 @@ TEST(Merge, OnlyWhatFramesUsedMustAgree) {
 // Two sets of weights can give the same colours over time while their mean gives others.
 TEST(Merge, WeightsThatMeanTheSameButHaveNoMeanStay) {
     voctree::VOctree tree = families_tree(2);
-    for (uint32_t i = 0; i < 8; i++)
-        for (uint32_t w = kFrames; w < tree.weights_per_leaf(); w++) {
+    for (uint32_t i = 0; i < 8; ++i)
+        for (uint32_t w = kFrames; w < tree.weights_per_leaf(); ++w) {
             const uint32_t function = w < 2 * kFrames ? 0 : (w - 2 * kFrames) % 5;
             tree.leaf(i)[w] = w < 2 * kFrames ? static_cast<float>(w - kFrames) : function == 1 ? 5.0f : 0.0f;
             if (i % 2 && (w < 2 * kFrames || function == 1)) tree.leaf(i)[w] *= -1;  // π − γ, and −w_100
@@ -159,9 +159,9 @@ TEST(Merge, WeightsThatMeanTheSameButHaveNoMeanStay) {
 // The only leaf that was seen gives the parent its colour, whatever the colours of the hidden ones.
 TEST(Merge, HiddenLeavesGiveNoColour) {
     voctree::VOctree tree = families_tree(2);
-    for (uint32_t i = 0; i < 8; i++) tree.leaf(i)[2 * kFrames] = i == 2 ? 10.0f : -10.0f;
+    for (uint32_t i = 0; i < 8; ++i) tree.leaf(i)[2 * kFrames] = i == 2 ? 10.0f : -10.0f;
     training::LeafUse use = use_of(tree);
-    for (uint32_t i = 0; i < 8; i++) use.frames[i] = i == 2 ? 7 : 0;
+    for (uint32_t i = 0; i < 8; ++i) use.frames[i] = i == 2 ? 7 : 0;
     ASSERT_EQ(training::merge_alike(tree, use, 0.05f), 1u);
     EXPECT_FLOAT_EQ(tree.leaf(leaf_at(tree, {0, 0, 0, 2}))[2 * kFrames], 10);
 }
@@ -169,9 +169,9 @@ TEST(Merge, HiddenLeavesGiveNoColour) {
 // A leaf that was used and is transparent does not merge with dense ones.
 TEST(Merge, ClearAndDenseLeavesStay) {
     voctree::VOctree tree = families_tree(2);
-    for (uint32_t c = 0; c < kFrames; c++) tree.leaf(0)[c] = -1;
+    for (uint32_t c = 0; c < kFrames; ++c) tree.leaf(0)[c] = -1;
     training::LeafUse use = use_of(tree);
-    for (uint32_t i = 0; i < 8; i++) use.frames[i] = i == 0 ? 7 : 0;
+    for (uint32_t i = 0; i < 8; ++i) use.frames[i] = i == 0 ? 7 : 0;
     EXPECT_EQ(training::merge_alike(tree, use, 0.05f), 0u);
 }
 
@@ -182,10 +182,10 @@ TEST(Merge, ManyFramesThatShareBases) {
         voctree::VOctree tree = families_tree(2);
         tree.frames = kMany;
         tree.sigma_basis = tree.gamma_basis = voctree::hat_basis(kMany, kFrames);
-        for (uint32_t i = 0; i < 8; i++) tree.leaf(i)[2] *= i == 6 ? 2.0f : 1.0f;  // the last knot: from frame 20 on
+        for (uint32_t i = 0; i < 8; ++i) tree.leaf(i)[2] *= i == 6 ? 2.0f : 1.0f;  // the last knot: from frame 20 on
         training::LeafUse use = use_of(tree);
         use.frames.assign(size_t{2} * tree.leaf_count, 0);
-        for (uint32_t i = 0; i < 8; i++) use.frames[frame_used / 32 * tree.leaf_count + i] = 1u << frame_used % 32;
+        for (uint32_t i = 0; i < 8; ++i) use.frames[frame_used / 32 * tree.leaf_count + i] = 1u << frame_used % 32;
         const bool did = training::merge_alike(tree, use, 0.05f) == 1;
         EXPECT_EQ(use.frames.size(), size_t{2} * tree.leaf_count);
         if (did) {
@@ -205,7 +205,7 @@ TEST(Merge, LeavesOfTheRootStay) {
     tree.hh_degree = 0;
     tree.sigma_basis = tree.gamma_basis = {1};
     std::vector<voctree::LeafPosition> positions;
-    for (uint32_t i = 0; i < 8; i++) positions.push_back({i & 1, i >> 1 & 1, i >> 2, 1});
+    for (uint32_t i = 0; i < 8; ++i) positions.push_back({i & 1, i >> 1 & 1, i >> 2, 1});
     voctree::build_topology(tree, positions);
     training::LeafUse use{std::vector<float>(8), std::vector<float>(8), std::vector<uint32_t>(8)};
     EXPECT_EQ(training::merge_alike(tree, use, 1), 0u);

@@ -21,7 +21,7 @@ N3Tree coloured_cube() {
     tree.functions = 1;
     tree.child.assign(8, 0);
     tree.invradius = glm::vec3(0.5f);
-    for (uint32_t cell = 0; cell < 8; cell++) {
+    for (uint32_t cell = 0; cell < 8; ++cell) {
         const bool up = cell & 1, right = cell & 4;
         const float on = 30, off = -30;  // logits are 0.28 times these
         tree.data.insert(tree.data.end(), {up ? on : off, !up && right ? on : off, !up && !right ? on : off, 1000});
@@ -49,8 +49,8 @@ TEST(PlenoctreePose, IsSeenAsTheImagesOfItsSceneShowIt) {
     const voctree::VOctree tree = voctree::read_plenoctree(folder.path / "tree.npz");
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
     const double half = lens.fx / 3;  // pixels: the front face, which hides the others, is 3 away
-    for (uint32_t y = 0; y < kSide; y++)
-        for (uint32_t x = 0; x < kSide; x++) {
+    for (uint32_t y = 0; y < kSide; ++y)
+        for (uint32_t x = 0; x < kSide; ++x) {
             const double right = x + 0.5 - lens.cx, down = y + 0.5 - lens.cy;
             const reference::RayResult ray = reference::trace(tree, slices, reference::camera_ray(camera, x, y));
             const bool inside = std::max(std::abs(right), std::abs(down)) < half;
@@ -59,7 +59,7 @@ TEST(PlenoctreePose, IsSeenAsTheImagesOfItsSceneShowIt) {
             const glm::dvec3 seen = down < 0    ? glm::dvec3(1, 0, 0)
                                     : right > 0 ? glm::dvec3(0, 1, 0)
                                                 : glm::dvec3(0, 0, 1);
-            for (int c = 0; c < 3; c++) ASSERT_NEAR(ray.colour[c], seen[c], 1e-3) << x << ", " << y;
+            for (int c = 0; c < 3; ++c) ASSERT_NEAR(ray.colour[c], seen[c], 1e-3) << x << ", " << y;
         }
 }
 

@@ -31,7 +31,7 @@ TEST_F(PreviewTest, ShowsTruthRenderAndErrorSideBySide) {
     EXPECT_EQ(folder.entries(), 1u);
     const auto part = [&](uint32_t index) {
         media::Image column(40, 40);
-        for (uint32_t y = 0; y < 40; y++) std::copy_n(image.at(40 * index, y), 160, column.at(0, y));
+        for (uint32_t y = 0; y < 40; ++y) std::copy_n(image.at(40 * index, y), 160, column.at(0, y));
         return column;
     };
     const media::Image truth = training::truth_over_white(dataset, dataset.views[0]);

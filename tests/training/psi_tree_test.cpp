@@ -38,13 +38,13 @@ training::PsiNetwork ramp_network() {
     network.parameters[shape.inputs() * shape.width] = 2;
     float* output = &network.parameters[shape.output_offset()];
     float* bias = output + size_t{shape.width} * shape.outputs();
-    for (uint32_t t = 0; t < 3; t++) {
+    for (uint32_t t = 0; t < 3; ++t) {
         output[t] = 1;
         bias[t] = -2 - 0.1f * static_cast<float>(t);
         network.parameters[shape.sigma_rows_offset() + 3 * t + t] = 0.5f;
         network.parameters[shape.gamma_rows_offset() + 3 * t + t] = 0.25f;
     }
-    for (uint32_t i = shape.bases; i < shape.outputs(); i++) bias[i] = 0.01f * static_cast<float>(i);
+    for (uint32_t i = shape.bases; i < shape.outputs(); ++i) bias[i] = 0.01f * static_cast<float>(i);
     return network;
 }
 
@@ -71,7 +71,7 @@ TEST_F(PsiTreeTest, KeepsLeavesWithADenseCellAndGivesThemTheMean) {
     for (const voctree::LeafPosition& position : before) {
         const double x = x_at(position, 0.875);  // the centre of the leaf's last finest cell along x
         double sum = 0;
-        for (int t = 0; t < 3; t++) sum += 0.5 * 4 * std::max(x - 0.1 * t, 0.0);
+        for (int t = 0; t < 3; ++t) sum += 0.5 * 4 * std::max(x - 0.1 * t, 0.0);
         const bool found = std::any_of(after.begin(), after.end(), [&](const voctree::LeafPosition& other) {
             return other.x == position.x && other.y == position.y && other.z == position.z &&
                    other.depth == position.depth;
@@ -82,12 +82,12 @@ TEST_F(PsiTreeTest, KeepsLeavesWithADenseCellAndGivesThemTheMean) {
     EXPECT_EQ(kept, after.size());
     EXPECT_GT(kept, before.size() / 10);
     EXPECT_LT(kept, before.size() * 9 / 10);
-    for (uint32_t leaf = 0; leaf < after.size(); leaf++) {
+    for (uint32_t leaf = 0; leaf < after.size(); ++leaf) {
         // Five standard deviations of the mean of 256 random points in the leaf.
         const double spread = 4 * (x_at(after[leaf], 1) - x_at(after[leaf], 0)) / std::sqrt(12.0 * 256);
-        for (uint32_t t = 0; t < 3; t++)
+        for (uint32_t t = 0; t < 3; ++t)
             ASSERT_NEAR(static_cast<double>(tree.leaf(leaf)[t]), 4 * (x_at(after[leaf], 0.5) - 0.1 * t), 5 * spread);
-        for (uint32_t i = 3; i < tree.weights_per_leaf(); i++)
+        for (uint32_t i = 3; i < tree.weights_per_leaf(); ++i)
             ASSERT_NEAR(tree.leaf(leaf)[i], 0.01f * static_cast<float>(i), 1e-6f);
     }
 }

@@ -23,9 +23,9 @@ voctree::VOctree sheet(uint32_t side, uint32_t bases = kRevivedFrames) {
     tree.box_size = glm::vec3(2);
     tree.sigma_basis = tree.gamma_basis = voctree::hat_basis(kRevivedFrames, bases);
     std::vector<voctree::LeafPosition> positions;
-    for (uint32_t i = 0; i < side * side; i++) positions.push_back({1 + i % side, 1 + i / side, 5, 3});
+    for (uint32_t i = 0; i < side * side; ++i) positions.push_back({1 + i % side, 1 + i / side, 5, 3});
     voctree::build_topology(tree, positions);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) std::fill_n(tree.leaf(leaf), bases, kLive);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) std::fill_n(tree.leaf(leaf), bases, kLive);
     return tree;
 }
 
@@ -71,7 +71,7 @@ TEST(Revive, ALargerLeafIsANeighbourOfSmallerOnes) {
     // Leaf 0 has a larger leaf above it, leaves of its size to the left and below, and a finer one at the middle of its
     // right face.
     voctree::build_topology(tree, {{1, 1, 1, 2}, {0, 1, 0, 1}, {0, 1, 1, 2}, {1, 0, 1, 2}, {4, 2, 2, 3}, {4, 3, 3, 3}});
-    for (uint32_t leaf = 1; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[0] = kLive;
+    for (uint32_t leaf = 1; leaf < tree.leaf_count; ++leaf) tree.leaf(leaf)[0] = kLive;
     tree.leaf(0)[0] = kDead;
     EXPECT_EQ(training::revive_holes(tree), 1u);
     EXPECT_FLOAT_EQ(tree.leaf(0)[0], 0.2f / 0.25f);

@@ -57,8 +57,8 @@ TEST(RigFile, LateShotsMoveBeforeAClipIsCut) {
     training::Rig rig;
     rig.cameras.resize(2);
     rig.cameras[0].name = "left", rig.cameras[1].name = "right";
-    for (uint32_t camera = 0; camera < 2; camera++)
-        for (int frame = 0; frame < 4; frame++)
+    for (uint32_t camera = 0; camera < 2; ++camera)
+        for (int frame = 0; frame < 4; ++frame)
             rig.shots.push_back({camera, frame / 3.0, std::to_string(camera) + std::to_string(frame), "", {}, {}});
     training::move_late_shots(three_cameras(), rig);
     const auto names_at = [&](int frame) {

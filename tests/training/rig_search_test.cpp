@@ -22,7 +22,7 @@ std::vector<PoseChange> spoiling(const std::vector<stage::Camera>& cameras, glm:
     Random random(11);
     std::vector<PoseChange> changes(cameras.size());
     for (PoseChange& change : changes)
-        for (size_t i = 0; i < training::kZoom; i++) change[i] = random.uniform(-1, 1) * 0.008;
+        for (size_t i = 0; i < training::kZoom; ++i) change[i] = random.uniform(-1, 1) * 0.008;
     // Without evidence the solver takes out the common part, and pulls the rest towards 0.
     const std::vector<training::PoseEvidence> none(cameras.size());
     return training::next_poses(cameras, changes, none, centre, 1);
@@ -31,7 +31,7 @@ std::vector<PoseChange> spoiling(const std::vector<stage::Camera>& cameras, glm:
 double image_error(const std::vector<stage::Camera>& truth, const std::vector<stage::Camera>& cameras,
                    glm::dvec3 centre) {
     double sum = 0;
-    for (size_t i = 0; i < truth.size(); i++)
+    for (size_t i = 0; i < truth.size(); ++i)
         for (const glm::dvec3& point : training::scene_points(truth[i], centre)) {
             const glm::dvec2 by = training::seen_at(cameras[i], point) - training::seen_at(truth[i], point);
             sum += glm::dot(by, by);
@@ -173,7 +173,7 @@ TEST_F(RigSearchTest, ARunMovesItsCamerasAndAResumedRunDoesSoAgain) {
     settings.steps = 4;
     training::train(device(), second, settings, nvv, go_on);
     for (const training::Dataset* dataset : {&first, &second})
-        for (size_t i = 0; i < expected.size(); i++)
+        for (size_t i = 0; i < expected.size(); ++i)
             EXPECT_EQ(dataset->cameras[i].world_from_camera, expected[i].world_from_camera);
     // The images of a run whose cameras have moved are those of the same data set.
     EXPECT_EQ(training::load_checkpoint(nvv).rig.poses[5][training::kShiftY], -0.02);
@@ -220,7 +220,7 @@ TEST_F(RigSearchTest, ALateCameraIsFound) {
     const auto go_on = [](const training::RigSearchProgress&) { return true; };
     const auto found = training::search_rig(device(), dataset, settings, false, go_on);
     ASSERT_TRUE(found);
-    for (uint32_t camera = 0; camera < dataset.cameras.size(); camera++) {
+    for (uint32_t camera = 0; camera < dataset.cameras.size(); ++camera) {
         EXPECT_EQ(found->changes.poses[camera], PoseChange{});
         EXPECT_EQ(training::is_late(*found, camera), camera == 7) << found->changes.frames_late[camera];
     }
@@ -242,7 +242,7 @@ TEST_F(RigSearchTest, ARunLeavesOutWhoIsBetweenFramesAgainWhenItIsResumed) {
     for (const bool resume : {false, true}) {
         training::Dataset dataset = given;
         settings.resume = resume;
-        settings.steps++;
+        ++settings.steps;
         training::train(device(), dataset, settings, folder.path / "sphere.nvv", go_on);
         settings.rig = {};
         EXPECT_EQ(dataset.views.size(), given.views.size() - 3);

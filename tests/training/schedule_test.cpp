@@ -14,9 +14,9 @@ std::vector<float> numbers_of(const training::LearningRates& r) {
 
 TEST(Schedule, RatesFallFromStartToEndAndStayThere) {
     std::vector<float> before = numbers_of(training::learning_rates(0, 9));
-    for (int i = 1; i <= 10; i++) {
+    for (int i = 1; i <= 10; ++i) {
         const std::vector<float> now = numbers_of(training::learning_rates(0.1 * i, 9));
-        for (size_t j = 0; j < now.size(); j++) {
+        for (size_t j = 0; j < now.size(); ++j) {
             EXPECT_GT(now[j], 0);
             EXPECT_LT(now[j], before[j]);
         }
@@ -41,7 +41,7 @@ TEST(Schedule, LongRunsEndWithLowerRates) {
 
 TEST(Schedule, StagesBeginInOrder) {
     EXPECT_EQ(training::kPhases[0].begins, 0);
-    for (uint32_t i = 1; i < training::kPhaseCount; i++)
+    for (uint32_t i = 1; i < training::kPhaseCount; ++i)
         EXPECT_GT(training::kPhases[i].begins, training::kPhases[i - 1].begins);
     EXPECT_LT(training::kPhases[training::kPhaseCount - 1].begins, 1);
     EXPECT_GE(training::kPhaseCount,

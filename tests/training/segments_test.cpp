@@ -9,8 +9,8 @@ namespace neuvv::test {
 namespace {
 
 TEST(SegmentLengths, AreEvenAndCoverAllFrames) {
-    for (uint32_t frames = 1; frames <= 40; frames++)
-        for (uint32_t longest = 1; longest <= 45; longest++) {
+    for (uint32_t frames = 1; frames <= 40; ++frames)
+        for (uint32_t longest = 1; longest <= 45; ++longest) {
             const std::vector<uint32_t> lengths = training::segment_lengths(frames, longest);
             EXPECT_EQ(std::accumulate(lengths.begin(), lengths.end(), 0u), frames);
             const auto [least, most] = std::minmax_element(lengths.begin(), lengths.end());
@@ -24,7 +24,7 @@ TEST(RigOfFrames, HasTheShotsOfItsFrames) {
     training::Rig rig;
     rig.cameras = {{.name = "a"}, {.name = "late"}, {.name = "c"}};
     const double times[] = {0, 0.25, 0.5, 0.75, 1};
-    for (uint32_t camera = 0; camera < 3; camera++)
+    for (uint32_t camera = 0; camera < 3; ++camera)
         for (const double time : times)
             if (camera != 1 || time > 0.6) rig.shots.push_back({.camera = camera, .time = time});
     const std::vector<double> all = training::times_of(rig);

@@ -36,7 +36,7 @@ TEST(RecordSum, AddsGradientsLeafByLeaf) {
     training::RecordSum sum(10, 4);  // records: leaf, largest weight, two numbers
     const Words first{7, bits(0.5f), bits(1), bits(2), 3, bits(0.1f), bits(-1), bits(4)};
     const Words second{3, bits(0.2f), bits(0.5f), bits(-4), 9, bits(0.3f), bits(8), bits(9)};
-    for (int repeat = 0; repeat < 2; repeat++) {  // nothing is left of the first call
+    for (int repeat = 0; repeat < 2; ++repeat) {  // nothing is left of the first call
         const std::span<const uint32_t> result = sum.add_up({bytes_of(first), bytes_of(second)});
         EXPECT_EQ(Words(result.begin(), result.end()), (Words{7, bits(0.5f), bits(1), bits(2), 3, bits(0.2f),
                                                               bits(-0.5f), bits(0), 9, bits(0.3f), bits(8), bits(9)}));
@@ -78,10 +78,10 @@ TEST(Team, ValuesComeInTheOrderOfRanks) {
 TEST(Team, MembersExchangeMessages) {
     run_team(3, [&](const training::Team& team) {
         std::vector<training::Bytes> to;
-        for (uint8_t i = 0; i < 3; i++) to.push_back(training::Bytes(i, static_cast<uint8_t>(team.rank)));
+        for (uint8_t i = 0; i < 3; ++i) to.push_back(training::Bytes(i, static_cast<uint8_t>(team.rank)));
         const std::vector<training::Bytes> from = team.exchange(to);
         ASSERT_EQ(from.size(), 3u);
-        for (uint8_t i = 0; i < 3; i++) EXPECT_EQ(from[i], training::Bytes(team.rank, i));
+        for (uint8_t i = 0; i < 3; ++i) EXPECT_EQ(from[i], training::Bytes(team.rank, i));
     });
 }
 
@@ -164,7 +164,7 @@ TEST_F(TeamTest, AStepHasTheGradientsOfAllMembersTiles) {
     ASSERT_GT(largest, 0.1);
     for (const Gradients& member : together) {
         ASSERT_EQ(member.weights.size(), alone.weights.size());
-        for (size_t i = 0; i < alone.weights.size(); i++)
+        for (size_t i = 0; i < alone.weights.size(); ++i)
             ASSERT_NEAR(member.weights[i], alone.weights[i], 1e-5 * largest) << "number " << i;
         EXPECT_EQ(member.weights, together[0].weights) << "all members move alike";
         EXPECT_EQ(member.use.max_weight, alone.use.max_weight);

@@ -30,12 +30,12 @@ uint32_t below(uint32_t end, std::mt19937& random) {
 
 // Clears alpha in random rectangles, and leaves colours under it.
 void clear_rectangles(media::Image& image, std::mt19937& random) {
-    for (uint32_t i = below(6, random); i > 0; i--) {
+    for (uint32_t i = below(6, random); i > 0; --i) {
         const uint32_t left = below(image.width, random), top = below(image.height, random);
         const uint32_t right = left + 1 + below(image.width - left, random),
                        bottom = top + 1 + below(image.height - top, random);
-        for (uint32_t y = top; y < bottom; y++)
-            for (uint32_t x = left; x < right; x++) image.at(x, y)[3] = 0;
+        for (uint32_t y = top; y < bottom; ++y)
+            for (uint32_t x = left; x < right; ++x) image.at(x, y)[3] = 0;
     }
 }
 
@@ -48,8 +48,8 @@ media::Image without_hidden_colours(media::Image image) {
 
 std::set<std::pair<uint32_t, uint32_t>> tiles_with_foreground(const media::Image& image) {
     std::set<std::pair<uint32_t, uint32_t>> tiles;
-    for (uint32_t y = 0; y < image.height; y++)
-        for (uint32_t x = 0; x < image.width; x++)
+    for (uint32_t y = 0; y < image.height; ++y)
+        for (uint32_t x = 0; x < image.width; ++x)
             if (image.at(x, y)[3] > 0) tiles.insert({x / 8, y / 8});
     return tiles;
 }
@@ -58,14 +58,14 @@ void expect_holds(const TiledImage& tiled, const media::Image& image) {
     const media::Image expected = without_hidden_colours(image);
     ASSERT_EQ(tiled.width(), image.width);
     ASSERT_EQ(tiled.height(), image.height);
-    for (uint32_t y = 0; y < image.height; y++)
-        for (uint32_t x = 0; x < image.width; x++)
+    for (uint32_t y = 0; y < image.height; ++y)
+        for (uint32_t x = 0; x < image.width; ++x)
             ASSERT_TRUE(std::equal(tiled.at(x, y), tiled.at(x, y) + 4, expected.at(x, y))) << x << " " << y;
     EXPECT_EQ(tiled.whole().rgba, expected.rgba);
 
     const auto tiles = tiles_with_foreground(image);
-    for (uint32_t y = 0; y < tiled.tiles_down(); y++)
-        for (uint32_t x = 0; x < tiled.tiles_across(); x++)
+    for (uint32_t y = 0; y < tiled.tiles_down(); ++y)
+        for (uint32_t x = 0; x < tiled.tiles_across(); ++x)
             ASSERT_EQ(tiled.has_tile(x, y), tiles.contains({x, y})) << x << " " << y;
     EXPECT_EQ(tiled.tile_count(), tiles.size());
     const uint64_t all_tiles = uint64_t{(image.width + 7) / 8} * ((image.height + 7) / 8);
@@ -76,7 +76,7 @@ void expect_holds(const TiledImage& tiled, const media::Image& image) {
     size_t visits = 0;
     tiled.for_each_kept([&](uint32_t x, uint32_t y, const uint8_t* rgba) {
         std::copy_n(rgba, 4, visited.at(x, y));
-        visits++;
+        ++visits;
     });
     EXPECT_EQ(visited.rgba, expected.rgba);
     EXPECT_LE(visits, tiles.size() * 64);
@@ -85,7 +85,7 @@ void expect_holds(const TiledImage& tiled, const media::Image& image) {
 TEST(TiledImage, GivesBackPixelsOfRandomMattes) {
     std::mt19937 random(1);
     for (const auto& [width, height] : kSizes)
-        for (int i = 0; i < 12; i++) {
+        for (int i = 0; i < 12; ++i) {
             SCOPED_TRACE(testing::Message() << width << "x" << height << " " << i);
             media::Image image = noise(width, height, random);
             clear_rectangles(image, random);
@@ -154,7 +154,7 @@ TEST(TiledImage, FewerTilesTakeThePlaceOfMore) {
     media::Image image = noise(131, 203, random);
     tiled.store(image);
     EXPECT_EQ(memory.left, 0) << "two arrays";
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         clear_rectangles(image, random);
         ASSERT_NO_THROW(tiled.store(image));
         expect_holds(tiled, image);

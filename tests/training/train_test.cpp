@@ -182,7 +182,7 @@ TEST_F(TrainTest, ACallbackStopsTheRunAfterACheckpoint) {
             EXPECT_TRUE(std::filesystem::exists(nvv));
             EXPECT_GT(now.rays_per_s, 0);
             EXPECT_GT(now.eta_s, 0);
-            calls++;
+            ++calls;
             return false;
         });
     EXPECT_EQ(calls, 2u);  // the call that stopped the run, and the one at the end
@@ -309,7 +309,7 @@ TEST_F(KilledRun, SurvivesAKillWhileItSaves) {
 TEST_F(KilledRun, CtrlCSavesAndExitsWell) {
     ChildProcess child(command(10000000, false), log_);
     ASSERT_TRUE(child.until([&] { return std::filesystem::exists(nvv_); })) << read_text(log_);
-    for (int i = 0; i < 3; i++) {  // `timeout`, too, sends several signals: to the program and to its group
+    for (int i = 0; i < 3; ++i) {  // `timeout`, too, sends several signals: to the program and to its group
         child.send(SIGINT);
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }

@@ -76,7 +76,7 @@ TEST(CameraKeys, TheLineGoesThroughAllKeysAndHome) {
     path.interpolation = stage::Interpolation::kCut;
     EXPECT_TRUE(viewer::line_of(path, 8).empty());
     stage::CameraPath many;
-    for (int i = 0; i < 3000; i++) {
+    for (int i = 0; i < 3000; ++i) {
         many.keys.push_back({});
         many.keys.back().time_s = many.duration_s = i;
     }

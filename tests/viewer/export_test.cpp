@@ -84,7 +84,7 @@ struct ExportTest : GpuTest {
         const media::Sound sound = media::read_sound(folder.path / file);
         EXPECT_NEAR(sound.length_s(), 0.5, 0.05);
         double most = 0;
-        for (size_t i = kRate / 8; i < 3 * kRate / 8; i++) most = std::max(most, std::abs(sound.samples[i][0] / 1.0));
+        for (size_t i = kRate / 8; i < 3 * kRate / 8; ++i) most = std::max(most, std::abs(sound.samples[i][0] / 1.0));
         const double of_both_sides = 0.75;  // of the tone
         return most / (of_both_sides * 16000 * std::pow(10, -12.0 / 20) * double{stage::pan_gains(kPerformer)[0]});
     }

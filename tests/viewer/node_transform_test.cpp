@@ -79,7 +79,7 @@ TEST_F(NodePlaces, OnlyWhatDiffersIsPlaced) {
 TEST_F(NodePlaces, AMatrixIsReadAndReached) {
     edit::NodeTransform transform{{0.5, 1, -2}, viewer::rotation_of({30, 40, 50}), {-1.5, 2, 0.25}};
     glm::dmat4 matrix = glm::mat4_cast(transform.rotation);
-    for (int axis = 0; axis < 3; axis++) matrix[axis] *= transform.scale[axis];
+    for (int axis = 0; axis < 3; ++axis) matrix[axis] *= transform.scale[axis];
     matrix[3] = glm::dvec4(transform.translation, 1);
     edit::Placement placement;
     placement.matrix = matrix;

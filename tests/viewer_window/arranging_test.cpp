@@ -23,8 +23,8 @@ struct Arranging : ViewerWindow {
         const media::Image without = media::read_png(file("empty.png"));
         std::vector<glm::dvec2> hers;
         glm::dvec2 sum(0);
-        for (uint32_t y = 0; y < image.height; y++)
-            for (uint32_t x = 0; x < image.width; x++)
+        for (uint32_t y = 0; y < image.height; ++y)
+            for (uint32_t x = 0; x < image.width; ++x)
                 if (std::abs(image.at(x, y)[0] - without.at(x, y)[0]) > 60) {
                     hers.emplace_back(x + 0.5, y + 0.5);
                     sum += hers.back();

@@ -20,7 +20,7 @@ struct Coaching : ViewerWindow {
         motion::SkeletonClip learner =
             other_body(with_arm_off(dancer, motion::Limb::kLeftArm, 35, 0, 3), 0.9, {1, 0, 2}, 0.6);
         const std::vector<motion::Pose> once = learner.frames;
-        for (int i = 0; i < 40; i++) learner.frames.insert(learner.frames.end(), once.begin(), once.end());
+        for (int i = 0; i < 40; ++i) learner.frames.insert(learner.frames.end(), once.begin(), once.end());
         motion::write_skeleton(trainee, learner);
     }
     static double red(const json& now, const char* limb) {

@@ -22,7 +22,7 @@ struct Editing : ViewerWindow {
         hands.click("paint/colour");
         const Spot chest = hands.in_image(0.5, 0.5);
         hands.point(chest);
-        for (int i = 0; i < 8; i++) hands.key("bracketright");
+        for (int i = 0; i < 8; ++i) hands.key("bracketright");
         hands.drag({chest.x - 4, chest.y - 30}, {chest.x + 4, chest.y + 12});
         until_painted();
         hands.until_rest();
@@ -46,7 +46,7 @@ struct Editing : ViewerWindow {
 TEST_F(Editing, AClickRightAfterAMoveSelects) {
     const auto hands = open(stage);
     hands->until_rest();
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         hands->click("stage/key");
         hands->key("ctrl+d");
         hands->click(hands->in_image(0.5, 0.5));

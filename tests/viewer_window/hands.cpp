@@ -91,8 +91,8 @@ media::Image VirtualScreen::image() const {
     media::Image image(number(kWidth), number(kHeight));
     if (number(kRowBytes) < 4 * image.width || dump.size() < first + size_t{number(kRowBytes)} * image.height)
         throw std::runtime_error("Xvfb's image is cut off");
-    for (uint32_t y = 0; y < image.height; y++)
-        for (uint32_t x = 0; x < image.width; x++) {
+    for (uint32_t y = 0; y < image.height; ++y)
+        for (uint32_t x = 0; x < image.width; ++x) {
             const uint8_t* from = &dump[first + size_t{number(kRowBytes)} * y + size_t{4} * x];
             std::copy_n(std::array<uint8_t, 4>{from[2], from[1], from[0], 255}.data(), 4, image.at(x, y));
         }
@@ -232,7 +232,7 @@ void Hands::double_click(Spot at) {
 void Hands::drag(Spot from, Spot to, int button) {
     point(from);
     press(button);
-    for (int i = 1; i <= kDragSteps; i++) {
+    for (int i = 1; i <= kDragSteps; ++i) {
         const double part = double{1} * i / kDragSteps;
         point({std::round(from.x + part * (to.x - from.x)), std::round(from.y + part * (to.y - from.y))});
     }

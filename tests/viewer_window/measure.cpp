@@ -59,12 +59,12 @@ void measure(const Measure& measure) {
     fmt::print("{:<34}{:>18}{:>19}\n", "worst of", "input to image", "window's frame");
     measure("opening", [](Hands&) {});
     measure("orbiting", [](Hands& hands) {
-        for (int i = 0; i < 3; i++) hands.drag(hands.in_image(0.2, 0.8), hands.in_image(0.8, 0.7));
+        for (int i = 0; i < 3; ++i) hands.drag(hands.in_image(0.2, 0.8), hands.in_image(0.8, 0.7));
     });
     measure("moving a performer", [](Hands& hands) {
         hands.click("stage/" + first_performer(hands));
         const Spot arrow = hands.middle_of("gizmo/x");
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) {
             hands.drag(arrow, {arrow.x + 60, arrow.y});
             hands.key("ctrl+z");
             hands.until_rest();
@@ -74,14 +74,14 @@ void measure(const Measure& measure) {
         hands.click("stage/key");
         hands.click("tab/light");
         const Spot field = hands.middle_of("light/intensity");
-        for (int i = 0; i < 3; i++) hands.drag(field, {field.x + 40, field.y});
+        for (int i = 0; i < 3; ++i) hands.drag(field, {field.x + 40, field.y});
     });
     measure("painting", [](Hands& hands) {
         hands.click("stage/" + first_performer(hands));
         const Spot chest = hands.middle_of("gizmo/y");
         hands.click("tab/paint");
         hands.click("paint/colour");
-        for (int i = 0; i < 3; i++) hands.drag({chest.x - 10, chest.y - 20.0 * i}, {chest.x + 10, chest.y});
+        for (int i = 0; i < 3; ++i) hands.drag({chest.x - 10, chest.y - 20.0 * i}, {chest.x + 10, chest.y});
         hands.until("a stroke", [](const nlohmann::json& now) { return now["modified"] == true; });
         hands.until_rest();
     });
@@ -108,7 +108,7 @@ void measure(const Measure& measure) {
         hands.click("export/start");
         hands.click("question/Save");
         hands.middle_of("export/progress");
-        for (int i = 0; i < 3; i++) hands.drag(hands.in_image(0.2, 0.8), hands.in_image(0.8, 0.7));
+        for (int i = 0; i < 3; ++i) hands.drag(hands.in_image(0.2, 0.8), hands.in_image(0.8, 0.7));
         hands.click("export/cancel");
         hands.until_notice("export");
     });

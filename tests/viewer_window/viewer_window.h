@@ -20,7 +20,7 @@ inline double share_that_differs(const media::Image& a, const media::Image& b, i
     size_t differ = 0;
     for (size_t i = 0; i < a.rgba.size(); i += 4) {
         int max = 0;
-        for (size_t c = 0; c < 3; c++) max = std::max(max, std::abs(a.rgba[i + c] - b.rgba[i + c]));
+        for (size_t c = 0; c < 3; ++c) max = std::max(max, std::abs(a.rgba[i + c] - b.rgba[i + c]));
         differ += max > steps;
     }
     return 4.0 * static_cast<double>(differ) / static_cast<double>(a.rgba.size());
@@ -74,7 +74,7 @@ struct ViewerWindow : testing::Test {
     // The number of a node in the file; the count of nodes where there is no such node.
     static size_t node(const nlohmann::json& document, const std::string& name) {
         size_t i = 0;
-        while (i < document["nodes"].size() && document["nodes"][i].value("name", "") != name) i++;
+        while (i < document["nodes"].size() && document["nodes"][i].value("name", "") != name) ++i;
         return i;
     }
 };

@@ -17,7 +17,7 @@ TEST(ViewerWindowComparison, TellsImagesApart) {
     std::fill(plain.rgba.begin(), plain.rgba.end(), uint8_t{100});
     marked = plain;
     EXPECT_TRUE(same(plain, marked));
-    for (uint32_t x = 0; x < 7; x++) marked.at(x, 5)[1] = 120;
+    for (uint32_t x = 0; x < 7; ++x) marked.at(x, 5)[1] = 120;
     EXPECT_TRUE(other(plain, marked));
     EXPECT_FALSE(same(plain, marked));
     EXPECT_FALSE(same(plain, media::Image(30, 40)));
@@ -45,8 +45,8 @@ TEST_F(Watching, TheWindowShowsWhatRenderDraws) {
     const uint32_t tools = 110;                                // the width of the toolbar, in two columns
     media::Image part(shown.width - tools, shown.height / 2);  // above the notices
     media::Image above(part.width, part.height);
-    for (uint32_t y = 0; y < part.height; y++)
-        for (uint32_t x = 0; x < part.width; x++) {
+    for (uint32_t y = 0; y < part.height; ++y)
+        for (uint32_t x = 0; x < part.width; ++x) {
             const auto left = static_cast<uint32_t>(at[0]), top = static_cast<uint32_t>(at[1]);
             std::copy_n(window.at(left + tools + x, top + y), 4, part.at(x, y));
             std::copy_n(shown.at(tools + x, y), 4, above.at(x, y));
@@ -170,7 +170,7 @@ TEST_F(Watching, LooksAroundAndComesToRest) {
     changes_by("turn", [&] { hands->drag(hands->in_image(0.5, 0.2), hands->in_image(0.55, 0.2), 3); });
     changes_by("closer", [&] { hands->wheel(hands->in_image(0.5, 0.2), 3); });
     changes_by("fly", [&] {
-        for (int i = 0; i < 3; i++) hands->key("d");
+        for (int i = 0; i < 3; ++i) hands->key("d");
     });
     EXPECT_EQ(hands->seen()["modified"], false) << "nothing of it is an edit";
 }
@@ -179,9 +179,9 @@ TEST_F(Watching, LooksAroundAndComesToRest) {
 TEST_F(Watching, ShortPressesAreNotLost) {
     const auto hands = open(stage);
     hands->until_rest();
-    for (int i = 0; i < 6; i++) hands->key("period");
+    for (int i = 0; i < 6; ++i) hands->key("period");
     EXPECT_NEAR(hands->until_rest()["time_s"].get<double>() * kFps, 6, 1e-6);
-    for (int i = 0; i < 4; i++) hands->key("comma");
+    for (int i = 0; i < 4; ++i) hands->key("comma");
     EXPECT_NEAR(hands->until_rest()["time_s"].get<double>() * kFps, 2, 1e-6);
 }
 

@@ -81,7 +81,7 @@ TEST_F(ClipIndexTest, TheHeadHoldsAllSegments) {
 // Each has one leaf of a metre, in a box of sixteen.
 TEST_F(ClipIndexTest, TheBoxOfLeavesHoldsThoseOfSegments) {
     std::string segments;
-    for (int i = 0; i < 20; i++) {
+    for (int i = 0; i < 20; ++i) {
         voctree::VOctree tree = random_tree({.node_levels = 2, .frames = 1});
         tree.box_min = glm::vec3(0);
         tree.box_size = glm::vec3(16);
@@ -97,7 +97,7 @@ TEST_F(ClipIndexTest, TheBoxOfLeavesHoldsThoseOfSegments) {
     EXPECT_GT(high.x, 8) << "of segments in between, too";
     EXPECT_LE(high.x, 10);
     EXPECT_EQ(high.y, 1);
-    for (int i = 0; i < 19; i++) std::filesystem::remove(clip / fmt::format("{}.nvv", i));
+    for (int i = 0; i < 19; ++i) std::filesystem::remove(clip / fmt::format("{}.nvv", i));
     EXPECT_EQ(voctree::occupied_box(index).first.x, 9) << "missing ones are left out";
     std::filesystem::remove(clip / "19.nvv");
     expect_input_error([&] { voctree::occupied_box(index); }, {".nvv"});

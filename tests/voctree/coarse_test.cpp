@@ -19,7 +19,7 @@ namespace {
 // σ of a leaf in a frame.
 double density(const voctree::VOctree& tree, uint32_t leaf, uint32_t frame) {
     double sigma = 0;
-    for (uint32_t c = 0; c < tree.bases; c++)
+    for (uint32_t c = 0; c < tree.bases; ++c)
         sigma += double{tree.sigma_basis[frame * tree.bases + c]} * double{tree.leaf(leaf)[c]};
     return std::max(sigma, 0.0);
 }
@@ -29,19 +29,19 @@ double density(const voctree::VOctree& tree, uint32_t leaf, uint32_t frame) {
 double density_of_octants(const voctree::VOctree& fine, const voctree::LeafPosition& cell, uint32_t frame) {
     const double edge_m = double{voctree::leaf_edge_m(fine, cell.depth)};
     double optical_depth[2][2][2] = {}, most = 0;
-    for (uint32_t i = 0; i < 8; i++) {
+    for (uint32_t i = 0; i < 8; ++i) {
         const glm::dvec3 octant(i & 1, i >> 1 & 1, i >> 2);
         const glm::dvec3 at =
             (glm::dvec3(cell.x, cell.y, cell.z) + 0.5 * octant + 0.25) * std::ldexp(1.0, -static_cast<int>(cell.depth));
         const uint32_t leaf = voctree::find_leaf(fine, at);
         if (leaf != UINT32_MAX) optical_depth[i & 1][i >> 1 & 1][i >> 2] = density(fine, leaf, frame) * edge_m / 2;
     }
-    for (int axis = 0; axis < 3; axis++) {
+    for (int axis = 0; axis < 3; ++axis) {
         double through = 0;
-        for (int a = 0; a < 2; a++)
-            for (int b = 0; b < 2; b++) {
+        for (int a = 0; a < 2; ++a)
+            for (int b = 0; b < 2; ++b) {
                 double depth = 0;
-                for (int c = 0; c < 2; c++)
+                for (int c = 0; c < 2; ++c)
                     depth += axis == 0   ? optical_depth[c][a][b]
                              : axis == 1 ? optical_depth[a][c][b]
                                          : optical_depth[a][b][c];
@@ -53,7 +53,7 @@ double density_of_octants(const voctree::VOctree& fine, const voctree::LeafPosit
 }
 
 void give_own_bases(voctree::VOctree& tree) {
-    for (uint32_t i = 0; i < tree.frames * tree.bases; i++)
+    for (uint32_t i = 0; i < tree.frames * tree.bases; ++i)
         tree.sigma_basis[i] = i / tree.bases == i % tree.bases ? 1.0f : 0.0f;
     tree.gamma_basis = tree.sigma_basis;
 }
@@ -68,15 +68,15 @@ voctree::VOctree five_frames_tree() {
 TEST(Coarse, CellsPassAsMuchLightAsTheirOctants) {
     voctree::VOctree fine = five_frames_tree();
     for (float& row : fine.sigma_basis) row *= 20;  // so that leaves are nearly opaque
-    for (uint32_t depth = voctree::finest_depth(fine) - 1; depth >= 1; depth--) {
+    for (uint32_t depth = voctree::finest_depth(fine) - 1; depth >= 1; --depth) {
         const voctree::VOctree cut = voctree::cut_tree(fine, depth);
         EXPECT_EQ(voctree::defect_of(cut), "");
         EXPECT_LT(cut.leaf_count, fine.leaf_count);
         const std::vector<voctree::LeafPosition> cells = voctree::leaf_positions(cut);
         double largest = 0;
-        for (uint32_t leaf = 0; leaf < cut.leaf_count; leaf++) {
+        for (uint32_t leaf = 0; leaf < cut.leaf_count; ++leaf) {
             ASSERT_LE(cells[leaf].depth, depth);
-            for (uint32_t frame = 0; frame < fine.frames; frame++) {
+            for (uint32_t frame = 0; frame < fine.frames; ++frame) {
                 const double truth = density_of_octants(fine, cells[leaf], frame), found = density(cut, leaf, frame);
                 if (cells[leaf].depth == depth) {
                     EXPECT_NEAR(found, truth, 1e-4 * truth + 1e-4) << depth;
@@ -105,7 +105,7 @@ TEST(Coarse, OpaqueLeavesCoverWhatTheyCover) {
         std::vector<voctree::LeafPosition> positions;
         for (const uint32_t i : octants) positions.push_back({i & 1, i >> 1 & 1, i >> 2, 2});
         voctree::build_topology(tree, positions);
-        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[0] = 1e4f;
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) tree.leaf(leaf)[0] = 1e4f;
         const voctree::VOctree cut = voctree::cut_tree(tree, 1);
         return std::exp(-density(cut, 0, 0) * double{voctree::leaf_edge_m(cut, 1)});
     };
@@ -119,7 +119,7 @@ TEST(Coarse, OpaqueLeavesCoverWhatTheyCover) {
 TEST(Coarse, LeavesStayWhereTheyWere) {
     const voctree::VOctree tree = five_frames_tree(), cut = voctree::cut_tree(tree, 3);
     Random random(1);
-    for (int i = 0; i < 2000; i++) {
+    for (int i = 0; i < 2000; ++i) {
         const glm::dvec3 at(random.uniform(), random.uniform(), random.uniform());
         if (voctree::find_leaf(tree, at) != UINT32_MAX) {
             EXPECT_NE(voctree::find_leaf(cut, at), UINT32_MAX);
@@ -133,9 +133,9 @@ TEST(Coarse, WhatShowsGivesTheColour) {
     give_own_bases(tree);
     tree.node_levels = 1;
     std::vector<voctree::LeafPosition> positions;
-    for (uint32_t i = 0; i < 8; i++) positions.push_back({i & 1, i >> 1 & 1, i >> 2, 2});
+    for (uint32_t i = 0; i < 8; ++i) positions.push_back({i & 1, i >> 1 & 1, i >> 2, 2});
     voctree::build_topology(tree, positions);
-    for (uint32_t i = 0; i < 8; i++) {
+    for (uint32_t i = 0; i < 8; ++i) {
         const float numbers[] = {i == 5 ? 80.0f : 0.001f, -3, i == 5 ? 2.0f : -2.0f, 9, i == 5 ? 4.0f : -4.0f, 0, 1};
         std::copy(std::begin(numbers), std::end(numbers), tree.leaf(i));
     }
@@ -154,10 +154,10 @@ TEST(Coarse, LargeTreesHaveOneSmallTreesNone) {
     voctree::VOctree tree = random_tree({.leaves = 1, .bases = 1, .hh_degree = 0, .frames = 1});
     EXPECT_FALSE(voctree::coarse_tree(tree));
     std::vector<voctree::LeafPosition> positions;
-    for (uint32_t i = 0; i < voctree::kMinLeavesForCoarse; i++) positions.push_back({i % 64, i / 64 % 64, i / 4096, 6});
+    for (uint32_t i = 0; i < voctree::kMinLeavesForCoarse; ++i) positions.push_back({i % 64, i / 64 % 64, i / 4096, 6});
     tree.node_levels = 3;
     voctree::build_topology(tree, positions);
-    for (uint32_t i = 0; i < tree.leaf_count; i++) tree.leaf(i)[0] = 5;
+    for (uint32_t i = 0; i < tree.leaf_count; ++i) tree.leaf(i)[0] = 5;
     const std::optional<voctree::VOctree> coarse = voctree::coarse_tree(tree);
     ASSERT_TRUE(coarse);
     EXPECT_EQ(voctree::defect_of(*coarse), "");
@@ -257,7 +257,7 @@ TEST_F(CoarseFile, HostileOnesAreRefused) {
 TEST_F(CoarseFile, FuzzOfContent) {
     Random random(5);
     int refused = 0, accepted = 0;
-    for (int round = 0; round < 3000; round++) {
+    for (int round = 0; round < 3000; ++round) {
         std::vector<Chunk> all = chunks(cut);
         Chunk& chunk = all[1 + random.below(9)];
         const size_t at = random.below(chunk.raw.size());
@@ -270,9 +270,9 @@ TEST_F(CoarseFile, FuzzOfContent) {
         try {
             const std::optional<voctree::VOctree> coarse = voctree::read_nvv_coarse(path);
             ASSERT_EQ(coarse ? voctree::defect_of(*coarse) : "", "");
-            accepted++;
+            ++accepted;
         } catch (const InputError&) {
-            refused++;
+            ++refused;
         }
     }
     EXPECT_GT(refused, 500);

@@ -17,7 +17,7 @@ using Cell = std::tuple<uint32_t, uint32_t, uint32_t, uint32_t>;
 std::map<Cell, uint32_t> leaves_by_cell(const voctree::VOctree& tree) {
     std::map<Cell, uint32_t> leaves;
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
-    for (uint32_t i = 0; i < positions.size(); i++)
+    for (uint32_t i = 0; i < positions.size(); ++i)
         leaves[{positions[i].depth, positions[i].x, positions[i].y, positions[i].z}] = i;
     return leaves;
 }
@@ -41,8 +41,8 @@ void expect_same(const voctree::VOctree& clip, double frame, const voctree::VOct
 voctree::VOctree with_basis_per_frame() {
     voctree::VOctree tree = random_tree({.leaves = 300, .bases = 6, .frames = 6});
     for (std::vector<float>* rows : {&tree.sigma_basis, &tree.gamma_basis})
-        for (uint32_t frame = 0; frame < 6; frame++)
-            for (uint32_t basis = 0; basis < 6; basis++) (*rows)[size_t{6} * frame + basis] = frame == basis ? 1 : 0;
+        for (uint32_t frame = 0; frame < 6; ++frame)
+            for (uint32_t basis = 0; basis < 6; ++basis) (*rows)[size_t{6} * frame + basis] = frame == basis ? 1 : 0;
     return tree;
 }
 
@@ -65,7 +65,7 @@ TEST(Frames, SharedBasesStay) {
 
 TEST(Frames, APartWithoutThePerformerIsSound) {
     voctree::VOctree tree = with_basis_per_frame();
-    for (uint32_t i = 0; i < tree.leaf_count; i++) tree.leaf(i)[4] = -1;
+    for (uint32_t i = 0; i < tree.leaf_count; ++i) tree.leaf(i)[4] = -1;
     const voctree::VOctree part = voctree::frames_of(tree, 4, 1);
     EXPECT_EQ(voctree::defect_of(part), "");
     EXPECT_EQ(part.leaf_count, 0u);

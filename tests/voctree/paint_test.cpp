@@ -32,7 +32,7 @@ float frame_of(uint32_t step) {
 }
 
 void paint_table(Table& table, const voctree::LeafEdit& edit) {
-    for (uint32_t step = 0; step < kSteps; step++) {
+    for (uint32_t step = 0; step < kSteps; ++step) {
         if (frame_of(step) < edit.first || frame_of(step) > edit.last) continue;
         Look& look = table[edit.leaf][step];
         look.premultiplied =
@@ -47,14 +47,14 @@ void expect_table(const voctree::EditLayer& layer, const Table& table) {
     Table found;
     std::array<std::array<int, kSteps>, kLeaves> applying{};
     for (const voctree::LeafEdit& edit : layer.edits)
-        for (uint32_t step = 0; step < kSteps; step++) {
+        for (uint32_t step = 0; step < kSteps; ++step) {
             if (frame_of(step) < edit.first || frame_of(step) > edit.last) continue;
-            applying[edit.leaf][step]++;
+            ++applying[edit.leaf][step];
             found[edit.leaf][step] = {glm::dvec3(edit.colour) * double{edit.alpha}, double{edit.alpha},
                                       double{edit.sigma}};
         }
-    for (uint32_t leaf = 0; leaf < kLeaves; leaf++)
-        for (uint32_t step = 0; step < kSteps; step++) {
+    for (uint32_t leaf = 0; leaf < kLeaves; ++leaf)
+        for (uint32_t step = 0; step < kSteps; ++step) {
             const Look &a = found[leaf][step], &b = table[leaf][step];
             EXPECT_LE(applying[leaf][step], 1);
             EXPECT_NEAR(a.alpha, b.alpha, 1e-6);
@@ -79,13 +79,13 @@ voctree::LeafEdit random_edit(Random& random) {
 }
 
 TEST(PaintLayers, LaterEditsGoOverEarlierOnesAtEveryInstant) {
-    for (uint32_t seed = 0; seed < 60; seed++) {
+    for (uint32_t seed = 0; seed < 60; ++seed) {
         Random random(seed);
         voctree::EditLayer layer{{1, kLeaves, kFrames}, {}};
         Table table{};
-        for (int stroke = 0; stroke < 6; stroke++) {
+        for (int stroke = 0; stroke < 6; ++stroke) {
             std::vector<voctree::LeafEdit> edits;
-            for (uint32_t i = random.below(6); i > 0; i--) edits.push_back(random_edit(random));
+            for (uint32_t i = random.below(6); i > 0; --i) edits.push_back(random_edit(random));
             for (const voctree::LeafEdit& edit : edits) paint_table(table, edit);
             voctree::add_edits(layer, edits);
             if (random.below(3) == 0) {
@@ -93,7 +93,7 @@ TEST(PaintLayers, LaterEditsGoOverEarlierOnesAtEveryInstant) {
                 const float first = frame_of(random.below(kSteps)), last = frame_of(random.below(kSteps));
                 voctree::remove_edits(layer, leaves, first, last);
                 for (uint32_t leaf : leaves)
-                    for (uint32_t step = 0; step < kSteps; step++)
+                    for (uint32_t step = 0; step < kSteps; ++step)
                         if (frame_of(step) >= first && frame_of(step) <= last) table[leaf][step] = {};
             }
             expect_table(layer, table);
@@ -120,7 +120,7 @@ struct PaintFile : testing::Test {
     PaintFile() {
         Random random(1);
         std::vector<voctree::LeafEdit> edits;
-        for (int i = 0; i < 300; i++) {
+        for (int i = 0; i < 300; ++i) {
             edits.push_back(random_edit(random));
             edits.back().leaf = random.below(tree.leaf_count);
         }
@@ -134,8 +134,8 @@ struct PaintFile : testing::Test {
         append(head.raw, layer.field.frames);
         append(head.raw, static_cast<uint32_t>(layer.edits.size()));
         append(head.raw, uint32_t{0});
-        for (int byte = 0; byte < 4; byte++)
-            for (size_t i = 0; i < layer.edits.size(); i++) {
+        for (int byte = 0; byte < 4; ++byte)
+            for (size_t i = 0; i < layer.edits.size(); ++i) {
                 const uint32_t step = layer.edits[i].leaf - (i ? layer.edits[i - 1].leaf : 0);
                 leaves.raw.push_back(static_cast<uint8_t>(step >> 8 * byte));
             }
@@ -189,7 +189,7 @@ TEST_F(PaintFile, OfAnotherFieldIsRefused) {
     expect_input_error([&] { voctree::read_paint(path, voctree::painted_field(other)); },
                        {"PTHD", "another", "painted on"});
     voctree::PaintedField longer = layer.field;
-    longer.frames++;
+    ++longer.frames;
     expect_input_error([&] { voctree::read_paint(path, longer); }, {"5 frames, not 6"});
     voctree::VOctree same = tree;
     same.weights[0] += 1;

@@ -39,19 +39,19 @@ TEST_F(PlenoctreeFormsTest, ATreeWithZUpIsTurnedWithItsColours) {
         const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
         Random random(seed);
         uint32_t seen = 0;
-        for (int i = 0; i < 500; i++) {
+        for (int i = 0; i < 500; ++i) {
             const glm::dvec3 in_tree(random.uniform(), random.uniform(), random.uniform());
             const glm::dvec3 at = glm::dvec3(tree.box_min) + in_tree * glm::dvec3(tree.box_size);
             const float* expected = truth.query({at.x, -at.z, at.y});
             const uint32_t leaf = voctree::find_leaf(tree, in_tree);
             ASSERT_EQ(leaf != UINT32_MAX, expected[truth.numbers() - 1] > 0);
             if (leaf == UINT32_MAX) continue;
-            seen++;
+            ++seen;
             const glm::dvec3 d =
                 glm::normalize(glm::dvec3(random.bell(), random.bell(), random.bell()) + glm::dvec3(1e-9));
             const glm::dvec3 logits = truth.logits(expected, {d.x, -d.z, d.y});
             const glm::dvec3 colour = reference::sample_colour(slices[leaf], tree.hh_degree, d);
-            for (int c = 0; c < 3; c++) ASSERT_NEAR(colour[c], 1 / (1 + std::exp(-logits[c])), 5e-6);
+            for (int c = 0; c < 3; ++c) ASSERT_NEAR(colour[c], 1 / (1 + std::exp(-logits[c])), 5e-6);
         }
         EXPECT_GT(seen, 100u);
     }
@@ -95,7 +95,7 @@ TEST_F(PlenoctreeFormsTest, AnInfiniteDensityIsTheLargestThatIsStored) {
     N3Tree truth = random_n3tree(4, true, 9);
     voctree::VOctree tree = read(truth.arrays());
     const uint64_t seen = [&] {
-        for (uint64_t cell = 80;; cell++)
+        for (uint64_t cell = 80;; ++cell)
             if (truth.child[cell] == 0 && truth.data[cell * truth.numbers() + 12] > 0) return cell;
     }();
     const std::vector<float> before = tree.weights;
@@ -113,9 +113,9 @@ TEST_F(PlenoctreeFormsTest, AnInfiniteDensityIsTheLargestThatIsStored) {
         tree = read(arrays);
         EXPECT_EQ(voctree::defect_of(tree), "");
         size_t changed = 0;
-        for (size_t i = 0; i < before.size(); i++) {
+        for (size_t i = 0; i < before.size(); ++i) {
             if (tree.weights[i] == before[i]) continue;
-            changed++;
+            ++changed;
             EXPECT_EQ(i % tree.weights_per_leaf(), 0u);
             EXPECT_EQ(tree.weights[i], voctree::kMaxHalf);
         }
@@ -140,18 +140,18 @@ struct Quantised {
         const uint64_t cells = tree.child.size(), palettes = 4 - retained;
         Random random(3);
         std::vector<uint16_t> colours, indices, sigma, kept;
-        for (uint64_t i = 0; i < palettes * kColours * 3; i++)
+        for (uint64_t i = 0; i < palettes * kColours * 3; ++i)
             colours.push_back(voctree::half_from_float(static_cast<float>(random.uniform(-3, 3))));
-        for (uint64_t i = 0; i < palettes * cells; i++)
+        for (uint64_t i = 0; i < palettes * cells; ++i)
             indices.push_back(static_cast<uint16_t>(random.below(kColours)));
-        for (uint64_t i = 0; i < retained; i++)
-            for (uint64_t cell = 0; cell < cells; cell++)
-                for (uint64_t channel = 0; channel < 3; channel++)
+        for (uint64_t i = 0; i < retained; ++i)
+            for (uint64_t cell = 0; cell < cells; ++cell)
+                for (uint64_t channel = 0; channel < 3; ++channel)
                     kept.push_back(voctree::half_from_float(tree.data[cell * 13 + channel * 4 + i]));
-        for (uint64_t cell = 0; cell < cells; cell++) {
+        for (uint64_t cell = 0; cell < cells; ++cell) {
             sigma.push_back(voctree::half_from_float(tree.data[cell * 13 + 12]));
-            for (uint64_t i = 0; i < palettes; i++)
-                for (uint64_t channel = 0; channel < 3; channel++)
+            for (uint64_t i = 0; i < palettes; ++i)
+                for (uint64_t channel = 0; channel < 3; ++channel)
                     tree.data[cell * 13 + channel * 4 + retained + i] =
                         voctree::float_from_half(colours[(i * kColours + indices[i * cells + cell]) * 3 + channel]);
         }
@@ -206,15 +206,15 @@ TEST_F(PlenoctreeFormsTest, AnyDamageOfAQuantisedTreeIsRefusedOrMakesASoundTree)
     Random random(12);
     uint32_t refused = 0;
     constexpr uint32_t kRounds = 300;
-    for (uint32_t round = 0; round < kRounds; round++) {
+    for (uint32_t round = 0; round < kRounds; ++round) {
         auto arrays = sound;
         auto at = std::next(arrays.begin(), random.below(arrays.size()));
-        for (uint32_t i = 0; i < 1 + random.below(3); i++)
+        for (uint32_t i = 0; i < 1 + random.below(3); ++i)
             at->second[random.below(at->second.size())] = static_cast<char>(random.below(256));
         try {
             ASSERT_EQ(voctree::defect_of(read(arrays)), "");
         } catch (const InputError&) {
-            refused++;
+            ++refused;
         }
     }
     EXPECT_GT(refused, kRounds / 4);

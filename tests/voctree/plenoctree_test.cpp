@@ -55,7 +55,7 @@ TEST_F(PlenoctreeTest, EveryFormatIsTheFieldThatSvoxSees) {
                 const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
                 Random random(seed);
                 uint32_t seen = 0;
-                for (int i = 0; i < 500; i++) {
+                for (int i = 0; i < 500; ++i) {
                     const glm::dvec3 in_tree(random.uniform(), random.uniform(), random.uniform());
                     const float* expected =
                         truth.query((in_tree - glm::dvec3(truth.offset)) / glm::dvec3(truth.invradius));
@@ -63,11 +63,11 @@ TEST_F(PlenoctreeTest, EveryFormatIsTheFieldThatSvoxSees) {
                     const uint32_t leaf = voctree::find_leaf(tree, in_tree);
                     ASSERT_EQ(leaf != UINT32_MAX, sigma > 0);
                     if (leaf == UINT32_MAX) continue;
-                    seen++;
+                    ++seen;
                     ASSERT_EQ(slices[leaf].sigma, double{sigma});
                     const glm::dvec3 direction = random_direction(random), logits = truth.logits(expected, direction);
                     const glm::dvec3 colour = reference::sample_colour(slices[leaf], tree.hh_degree, direction);
-                    for (int c = 0; c < 3; c++) ASSERT_NEAR(colour[c], sigmoid(logits[c]), 2e-6);
+                    for (int c = 0; c < 3; ++c) ASSERT_NEAR(colour[c], sigmoid(logits[c]), 2e-6);
                 }
                 EXPECT_GT(seen, 100u);
             }
@@ -79,13 +79,13 @@ TEST_F(PlenoctreeTest, CoefficientsAreTheFilesWithTurnedSigns) {
     const auto slices = reference::slice_tree(tree, 0);
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     const double signs[] = {1, -1, 1, -1, 1, -1, 1, -1, 1};
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         const voctree::LeafPosition& position = positions[leaf];
         const glm::dvec3 middle =
             (glm::dvec3(position.x, position.y, position.z) + 0.5) * std::ldexp(1.0, -int(position.depth));
         const float* expected = truth.query((middle - glm::dvec3(truth.offset)) / glm::dvec3(truth.invradius));
-        for (size_t c = 0; c < 3; c++)
-            for (size_t i = 0; i < 9; i++)
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t i = 0; i < 9; ++i)
                 ASSERT_NEAR(slices[leaf].k[c][i], signs[i] * double{expected[9 * c + i]}, 5e-7);
     }
 }
@@ -99,7 +99,7 @@ TEST_F(PlenoctreeTest, RaysAreAttenuatedAsInSvox) {
     const auto slices = reference::slice_tree(tree, 0);
     Random random(3);
     const glm::dvec3 scale(truth.invradius);
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 100; ++i) {
         const glm::dvec3 from =
             (glm::dvec3(random.uniform(), random.uniform(), random.uniform()) - glm::dvec3(truth.offset)) / scale;
         const glm::dvec3 direction = random_direction(random), unit = glm::normalize(direction * scale);
@@ -111,7 +111,7 @@ TEST_F(PlenoctreeTest, RaysAreAttenuatedAsInSvox) {
             if (glm::any(glm::lessThan(at, glm::dvec3(0))) || glm::any(glm::greaterThanEqual(at, glm::dvec3(1)))) break;
             double side = 0, exit = 1e9;
             const float* leaf = truth.query((at - glm::dvec3(truth.offset)) / scale, &side);
-            for (int axis = 0; axis < 3; axis++) {
+            for (int axis = 0; axis < 3; ++axis) {
                 const double low = std::floor(at[axis] / side) * side;
                 exit = std::min(exit, ((unit[axis] > 0 ? low + side : low) - at[axis]) / unit[axis]);
             }
@@ -132,7 +132,7 @@ TEST_F(PlenoctreeTest, ColoursAreDecodedToLinearLight) {
     for (const auto& c : cases) {
         SCOPED_TRACE(c.functions);
         N3Tree truth = random_n3tree(c.functions, false, 20 + c.functions);
-        for (size_t i = 0; i < truth.data.size(); i++)  // most of a colour does not depend on the direction
+        for (size_t i = 0; i < truth.data.size(); ++i)  // most of a colour does not depend on the direction
             if (c.functions > 1 && i % truth.numbers() % c.functions != 0) truth.data[i] *= 0.2f;
         const voctree::VOctree tree = read(truth, voctree::PlenoctreeColours::kLinear);
         const voctree::VOctree stored = read(truth, voctree::PlenoctreeColours::kAsStored);
@@ -140,12 +140,12 @@ TEST_F(PlenoctreeTest, ColoursAreDecodedToLinearLight) {
         const auto slices = reference::slice_tree(tree, 0), as_stored = reference::slice_tree(stored, 0);
         Random random(4);
         double worst = 0, sum = 0;
-        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
-            for (int i = 0; i < 20; i++) {
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+            for (int i = 0; i < 20; ++i) {
                 const glm::dvec3 direction = random_direction(random);
                 const glm::dvec3 linear = reference::sample_colour(slices[leaf], tree.hh_degree, direction);
                 const glm::dvec3 expected = reference::sample_colour(as_stored[leaf], tree.hh_degree, direction);
-                for (int channel = 0; channel < 3; channel++) {
+                for (int channel = 0; channel < 3; ++channel) {
                     const double off = std::abs(media::srgb_from_linear(linear[channel]) - expected[channel]);
                     worst = std::max(worst, off);
                     sum += off / (60.0 * tree.leaf_count);
@@ -194,7 +194,7 @@ TEST_F(PlenoctreeTest, DamageIsNamed) {
         expect_input_error([&] { read(tree, voctree::PlenoctreeColours::kLinear); }, parts);
     };
     const auto leaf = [&](uint64_t from) {  // a leaf that is reached and has σ > 0
-        for (uint64_t cell = from;; cell++)
+        for (uint64_t cell = from;; ++cell)
             if (sound.child[cell] == 0 && sound.data[cell * sound.numbers() + 27] > 0) return cell;
     };
     const uint64_t last = 8 * (kNodes - 1);
@@ -220,13 +220,13 @@ TEST_F(PlenoctreeTest, DamageIsNamed) {
     expect_refused([](N3Tree& t) { t.offset.z = INFINITY; }, {"invradius3"});
     expect_refused(
         [](N3Tree& t) {
-            for (uint64_t cell = 0; cell < t.child.size(); cell++) t.data[cell * 28 + 27] = -1;
+            for (uint64_t cell = 0; cell < t.child.size(); ++cell) t.data[cell * 28 + 27] = -1;
         },
         {"empty everywhere"});
     expect_refused(
         [](N3Tree& t) {  // a chain
-            for (uint64_t node = 0; node < kCapacity; node++)
-                for (uint64_t cell = 0; cell < 8; cell++)
+            for (uint64_t node = 0; node < kCapacity; ++node)
+                for (uint64_t cell = 0; cell < 8; ++cell)
                     t.child[8 * node + cell] = cell == 0 && node + 1 < kCapacity ? 1 : 0;
         },
         {"child[11, 0, 0, 0]", "deeper than 12"});
@@ -287,14 +287,14 @@ TEST_F(PlenoctreeTest, FlippedBitsAreNoticed) {
     Random random(5);
     uint32_t refused = 0;
     constexpr uint32_t kRounds = 200;
-    for (uint32_t round = 0; round < kRounds; round++) {
+    for (uint32_t round = 0; round < kRounds; ++round) {
         std::string damaged = bytes;
         damaged[random.below(bytes.size())] ^= static_cast<char>(1 << random.below(8));
         write_text(file, damaged);
         try {
             ASSERT_EQ(voctree::read_plenoctree(file).weights, sound.weights);
         } catch (const InputError&) {
-            refused++;
+            ++refused;
         }
     }
     EXPECT_GT(refused, kRounds / 2);
@@ -307,16 +307,16 @@ TEST_F(PlenoctreeTest, AnyDamageIsRefusedOrMakesASoundTree) {
     Random random(12);
     uint32_t refused = 0;
     constexpr uint32_t kRounds = 400;
-    for (uint32_t round = 0; round < kRounds; round++) {
+    for (uint32_t round = 0; round < kRounds; ++round) {
         auto arrays = sound;
         auto at = std::next(arrays.begin(), random.below(arrays.size()));
-        for (uint32_t i = 0; i < 1 + random.below(3); i++)
+        for (uint32_t i = 0; i < 1 + random.below(3); ++i)
             at->second[random.below(at->second.size())] = static_cast<char>(random.below(256));
         write_npz(file, arrays);
         try {
             ASSERT_EQ(voctree::defect_of(voctree::read_plenoctree(file)), "");
         } catch (const InputError&) {
-            refused++;
+            ++refused;
         }
     }
     EXPECT_GT(refused, kRounds / 4);

@@ -23,9 +23,9 @@ Difference difference(const voctree::VOctree& before, const voctree::VOctree& af
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(before);
     const glm::dvec3 direction = glm::normalize(glm::dvec3(0.3, -0.5, 0.8));
     Difference largest;
-    for (uint32_t frame = 0; frame < before.frames; frame++) {
+    for (uint32_t frame = 0; frame < before.frames; ++frame) {
         const auto was = reference::slice_tree(before, frame), is = reference::slice_tree(after, frame);
-        for (uint32_t leaf = 0; leaf < before.leaf_count; leaf++) {
+        for (uint32_t leaf = 0; leaf < before.leaf_count; ++leaf) {
             const double edge = voctree::leaf_edge_m(before, positions[leaf].depth);
             const double seen = 1 - std::exp(-was[leaf].sigma * edge), sees = 1 - std::exp(-is[leaf].sigma * edge);
             largest.opacity = std::max(largest.opacity, std::abs(seen - sees));
@@ -42,7 +42,7 @@ Difference difference(const voctree::VOctree& before, const voctree::VOctree& af
 voctree::VOctree own_frames_tree() {
     voctree::VOctree tree = random_tree({.seed = 8, .leaves = 300, .bases = 6, .hh_degree = 2, .frames = 6});
     std::fill(tree.sigma_basis.begin(), tree.sigma_basis.end(), 0.0f);
-    for (uint32_t t = 0; t < 6; t++) tree.sigma_basis[t * 6 + t] = 1;
+    for (uint32_t t = 0; t < 6; ++t) tree.sigma_basis[t * 6 + t] = 1;
     tree.gamma_basis = tree.sigma_basis;
     return tree;
 }
@@ -70,16 +70,16 @@ TEST(Round, SharedBasesKeepTheirSums) {
 
 TEST(Round, FewDigitsRemainAndHiddenNumbersGo) {
     voctree::VOctree tree = own_frames_tree();
-    for (uint32_t c = 0; c < 6; c++) tree.leaf(7)[c] = -1;  // empty in every frame
+    for (uint32_t c = 0; c < 6; ++c) tree.leaf(7)[c] = -1;  // empty in every frame
     voctree::round_weights(tree, 0.1f);
     std::set<float> sigmas, colours;
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         sigmas.insert(tree.leaf(leaf), tree.leaf(leaf) + 6);
         colours.insert(tree.leaf(leaf) + 12, tree.leaf(leaf) + tree.weights_per_leaf());
     }
     EXPECT_LT(sigmas.size(), 300u);   // of 1800
     EXPECT_LT(colours.size(), 500u);  // of 12600
-    for (uint32_t c = 0; c < 6; c++) EXPECT_EQ(tree.leaf(7)[6 + c], 0);
+    for (uint32_t c = 0; c < 6; ++c) EXPECT_EQ(tree.leaf(7)[6 + c], 0);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ voctree::VOctree tree_of_degree(uint32_t degree) {
 std::vector<voctree::EditLayer> random_layers(const voctree::VOctree& tree, uint64_t seed) {
     Random random(seed);
     std::vector<voctree::EditLayer> layers;
-    for (uint32_t i = 0; i < kBlends; i++) layers.push_back(random_layer(tree, random));
+    for (uint32_t i = 0; i < kBlends; ++i) layers.push_back(random_layer(tree, random));
     return layers;
 }
 
@@ -61,15 +61,15 @@ double worst_leaf(const voctree::VOctree& tree, const Steps& steps, float frame,
     const auto compare = [&](double found, double expected) {
         worst = std::max(worst, std::abs(found - expected) / std::max(std::abs(expected), 1.0) / 1e-4);
     };
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         compare(double{edits.painted_density(leaf, static_cast<float>(bare[leaf].sigma))}, truth[leaf].sigma);
         voctree::LeafColours k{};
-        for (size_t c = 0; c < 3; c++)
-            for (size_t i = 0; i < sh_count(tree.hh_degree); i++) k[c][i] = static_cast<float>(bare[leaf].k[c][i]);
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t i = 0; i < sh_count(tree.hh_degree); ++i) k[c][i] = static_cast<float>(bare[leaf].k[c][i]);
         edits.paint_colours(leaf, tree.hh_degree, k);
-        for (size_t c = 0; c < 3; c++) {
+        for (size_t c = 0; c < 3; ++c) {
             compare(colour_of(double{k[c][0]}), colour_of(truth[leaf].k[c][0]));
-            for (size_t i = 1; i < sh_count(tree.hh_degree); i++) compare(double{k[c][i]}, truth[leaf].k[c][i]);
+            for (size_t i = 1; i < sh_count(tree.hh_degree); ++i) compare(double{k[c][i]}, truth[leaf].k[c][i]);
         }
     }
     return worst;
@@ -80,12 +80,12 @@ voctree::VOctree still_of(const voctree::VOctree& tree, const Leaves& leaves) {
     voctree::VOctree still = tree;
     make_still(still, tree.hh_degree);
     still.weights.assign(size_t{still.leaf_count} * still.weights_per_leaf(), 0.0f);
-    for (uint32_t leaf = 0; leaf < still.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < still.leaf_count; ++leaf) {
         float* weights = still.leaf(leaf);
         weights[0] = static_cast<float>(leaves[leaf].sigma);
-        for (size_t c = 0; c < 3; c++) {
+        for (size_t c = 0; c < 3; ++c) {
             std::array<float, kMaxShCount> k{};
-            for (size_t i = 0; i < k.size(); i++) k[i] = static_cast<float>(leaves[leaf].k[c][i]);
+            for (size_t i = 0; i < k.size(); ++i) k[i] = static_cast<float>(leaves[leaf].k[c][i]);
             voctree::write_sh(weights + 2 + c * hh_count(tree.hh_degree), tree.hh_degree, k.data());
         }
     }
@@ -99,18 +99,18 @@ double worst_plane(const voctree::VOctree& tree, const Steps& steps, uint32_t fr
     EXPECT_GT(found.leaves.size(), 20u);
     if (found.leaves != expected.leaves) return INFINITY;
     double worst = 0;
-    for (size_t plane = 0; plane < found.planes.size(); plane++)
-        for (size_t i = 0; i < found.leaves.size(); i++)
+    for (size_t plane = 0; plane < found.planes.size(); ++plane)
+        for (size_t i = 0; i < found.leaves.size(); ++i)
             worst = std::max<double>(worst, std::abs(found.planes[plane][i] - expected.planes[plane][i]));
     return worst;
 }
 
 TEST(SlicePaint, EveryLeafIsAsTheReferencePaintsIt) {
-    for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
+    for (uint32_t degree = 0; degree <= kMaxHhDegree; ++degree) {
         const voctree::VOctree tree = tree_of_degree(degree);
         const std::vector<voctree::EditLayer> layers = random_layers(tree, degree);
         for (const float frame : {0.0f, 2.0f, 2.5f, 4.0f}) {
-            for (uint32_t blend = 0; blend < kBlends; blend++) {
+            for (uint32_t blend = 0; blend < kBlends; ++blend) {
                 SCOPED_TRACE(testing::Message() << "degree " << degree << " blend " << blend << " frame " << frame);
                 const Steps one = {{&layers[blend], blend, 1}};
                 EXPECT_LE(worst_leaf(tree, one, frame, painted_by_reference(tree, one, double{frame})), kWorst);
@@ -122,12 +122,12 @@ TEST(SlicePaint, EveryLeafIsAsTheReferencePaintsIt) {
 }
 
 TEST(SlicePaint, EveryPlaneOfASliceIsPainted) {
-    for (uint32_t degree = 0; degree <= kMaxHhDegree; degree++) {
+    for (uint32_t degree = 0; degree <= kMaxHhDegree; ++degree) {
         const voctree::VOctree tree = tree_of_degree(degree);
         const std::vector<voctree::EditLayer> layers = random_layers(tree, degree);
         for (const uint32_t frame : {0u, 1u, 4u}) {
             SCOPED_TRACE(testing::Message() << "degree " << degree << " frame " << frame);
-            for (uint32_t blend = 0; blend < kBlends; blend++) {
+            for (uint32_t blend = 0; blend < kBlends; ++blend) {
                 const Steps one = {{&layers[blend], blend, 1}};
                 EXPECT_LE(worst_plane(tree, one, frame, painted_by_reference(tree, one, frame)), kWorst) << blend;
             }
@@ -158,7 +158,7 @@ TEST(SlicePaint, TheComparisonsNoticeAnotherBlendOrOrderOrOpacity) {
 TEST(SlicePaint, ErasedLeavesAreLeftOutAndRevivedOnesAreThere) {
     const voctree::VOctree tree = tree_of_degree(1);
     voctree::EditLayer gone{voctree::painted_field(tree), {}}, solid = gone;
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         gone.edits.push_back({leaf, 1, 2, glm::vec3(0), 0, 0});
         solid.edits.push_back({leaf, 2, 2, {1, 0, 0}, 1, 50});
     }
@@ -169,7 +169,7 @@ TEST(SlicePaint, ErasedLeavesAreLeftOutAndRevivedOnesAreThere) {
     EXPECT_TRUE(voctree::slice_of(tree, 1, both).leaves.empty());
     const stream::Slice red = voctree::slice_of(tree, 2, both);
     ASSERT_EQ(red.leaves.size(), tree.leaf_count);
-    for (size_t i = 0; i < red.leaves.size(); i++) {
+    for (size_t i = 0; i < red.leaves.size(); ++i) {
         const stream::Rgb shown =
             stream::rgb_of({static_cast<float>(red.planes[1][i]), static_cast<float>(red.planes[2][i]),
                             static_cast<float>(red.planes[3][i])});

@@ -17,7 +17,7 @@ voctree::VOctree with_leaves(const std::vector<voctree::LeafPosition>& more, flo
     voctree::VOctree tree = figure;
     std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(figure);
     std::vector<const float*> from;
-    for (uint32_t leaf = 0; leaf < figure.leaf_count; leaf++) from.push_back(figure.leaf(leaf));
+    for (uint32_t leaf = 0; leaf < figure.leaf_count; ++leaf) from.push_back(figure.leaf(leaf));
     std::vector<float> speck(figure.weights_per_leaf());
     speck[0] = speck[1] = sigma;
     for (const voctree::LeafPosition& one : more) {
@@ -31,7 +31,7 @@ voctree::VOctree with_leaves(const std::vector<voctree::LeafPosition>& more, flo
 // The box around the figure in one frame, from the definition of its shape.
 std::pair<glm::dvec3, glm::dvec3> box_of_figure(uint32_t frame) {
     glm::dvec3 low(1), high(0);
-    for (uint32_t i = 0; i < kFigureSide * kFigureSide * kFigureSide; i++) {
+    for (uint32_t i = 0; i < kFigureSide * kFigureSide * kFigureSide; ++i) {
         const glm::dvec3 corner =
             kCell * glm::dvec3(i % kFigureSide, i / kFigureSide % kFigureSide, i / kFigureSide / kFigureSide);
         if (!figure_part(corner + 0.5 * kCell, frame)) continue;
@@ -43,7 +43,7 @@ std::pair<glm::dvec3, glm::dvec3> box_of_figure(uint32_t frame) {
 
 void expect_box(const std::pair<glm::dvec3, glm::dvec3>& box, const std::pair<glm::dvec3, glm::dvec3>& truth,
                 double within) {
-    for (int axis = 0; axis < 3; axis++) {
+    for (int axis = 0; axis < 3; ++axis) {
         EXPECT_NEAR(box.first[axis], truth.first[axis], within) << axis;
         EXPECT_NEAR(box.second[axis], truth.second[axis], within) << axis;
     }
@@ -67,8 +67,8 @@ TEST(SolidLeavesTest, FloatersAreLeftOut) {
 
 TEST(SolidLeavesTest, AThinHazeIsLeftOutAndASolidPartIsNot) {
     std::vector<voctree::LeafPosition> slab;
-    for (uint32_t x = 20; x < 36; x++)
-        for (uint32_t z = 20; z < 36; z++) slab.push_back({x, 62, z, kFigureDepth});
+    for (uint32_t x = 20; x < 36; ++x)
+        for (uint32_t z = 20; z < 36; ++z) slab.push_back({x, 62, z, kFigureDepth});
     expect_box(voctree::SolidLeaves(with_leaves(slab, 0.01f)).box_at(0), box_of_figure(0), 1.01 * kCell);
     EXPECT_NEAR(voctree::SolidLeaves(with_leaves(slab, 250)).box_at(0).second.y, 63 * kCell, 1e-6)
         << "a plate over the head is a part of the performer";
@@ -76,7 +76,7 @@ TEST(SolidLeavesTest, AThinHazeIsLeftOutAndASolidPartIsNot) {
 
 TEST(SolidLeavesTest, WhereNothingIsSolidTheBoxIsThatOfAllLeaves) {
     voctree::VOctree tree = figure_tree();
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[0] = -1;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) tree.leaf(leaf)[0] = -1;
     EXPECT_EQ(voctree::SolidLeaves(tree).box_at(0), voctree::occupied_box(tree));
 }
 

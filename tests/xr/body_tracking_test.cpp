@@ -26,7 +26,7 @@ glm::dvec3 place_of(int number) {
 
 json joints_at_their_places(int from, int to, const char* flags = "tracked") {
     json joints = json::object();
-    for (int i = from; i < to; i++) {
+    for (int i = from; i < to; ++i) {
         const glm::dvec3 at = place_of(i);
         joints[std::to_string(i)] = {{"at", {at.x, at.y, at.z}}, {"flags", flags}};
     }
@@ -89,7 +89,7 @@ class BodyTracking : public testing::Test {
             const xr::HandInputs hands = actions.sample(time.display);
             xr::BodyPoints points;
             points.head = session.locate(session.head_space(), time.display);
-            for (int hand = 0; hand < xr::kHands; hand++) points.wrists[hand] = xr::wrist_of(hands[hand], {});
+            for (int hand = 0; hand < xr::kHands; ++hand) points.wrists[hand] = xr::wrist_of(hands[hand], {});
             points.trackers = actions.locate_trackers(time.display);
             seen.poses.push_back(body.locate(points, time.display));
             session.end_frame(time, XR_ENVIRONMENT_BLEND_MODE_OPAQUE, {});
@@ -197,7 +197,7 @@ TEST_F(BodyTracking, AnInactiveBodyIsNothing) {
         key(7)["body"]["active"] = true;
         const Seen seen = run();
         ASSERT_EQ(seen.poses.size(), size_t{kFrames} + 1);
-        for (size_t i = 0; i < seen.poses.size(); i++)
+        for (size_t i = 0; i < seen.poses.size(); ++i)
             EXPECT_EQ(seen.poses[i].has_value(), i < 4 || i >= 7) << kind << i;
     }
 }
@@ -252,7 +252,7 @@ TEST_F(BodyTracking, AFrameThatCannotBeLocatedIsNothing) {
         script["fail"] = {{{"function", call}, {"result", "XR_ERROR_RUNTIME_FAILURE"}, {"skip", 3}}};
         const Seen seen = run();
         ASSERT_EQ(seen.poses.size(), size_t{kFrames} + 1);
-        for (size_t i = 0; i < seen.poses.size(); i++) EXPECT_EQ(seen.poses[i].has_value(), i != 3) << kind << i;
+        for (size_t i = 0; i < seen.poses.size(); ++i) EXPECT_EQ(seen.poses[i].has_value(), i != 3) << kind << i;
         script["fail"][0]["result"] = "XR_ERROR_SESSION_LOST";
         EXPECT_THROW(run(), xr::XrFailure) << kind;
     }

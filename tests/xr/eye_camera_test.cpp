@@ -27,7 +27,7 @@ glm::dvec2 pixel_of(const xr::EyeView& eye, glm::dvec3 position_in_eye) {
 
 TEST(EyeCamera, RaysOfItsPixelsMeetWhatTheEyeSeesThere) {
     RandomPoses random(1);
-    for (int i = 0; i < 200; i++) {
+    for (int i = 0; i < 200; ++i) {
         const xr::EyeView eye{random.pose(), random_fov(random)};
         const xr::Pose rig = random.pose();
         const stage::Camera camera = xr::eye_camera(eye, rig, kSize);
@@ -57,12 +57,12 @@ TEST(EyeCamera, AMeshOnTheEyesPlaneLiesWhereItsCornersAreSeen) {
     RandomPoses random(2);
     const xr::EyeView eye{{}, random_fov(random)};
     std::vector<XrVector2f> vertices;
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < 6; ++i)
         vertices.push_back({static_cast<float>(random.number(-2, 2)), static_cast<float>(random.number(-2, 2))});
     const std::vector<uint32_t> indices{0, 1, 2, 5, 4, 3, 1, 2};  // two triangles, and two indices that are left over
     const std::vector<glm::vec2> corners = xr::corners_in_image(vertices, indices, eye.fov);
     ASSERT_EQ(corners.size(), 6u);
-    for (size_t i = 0; i < corners.size(); i++) {
+    for (size_t i = 0; i < corners.size(); ++i) {
         const XrVector2f& vertex = vertices[indices[i]];
         const glm::dvec2 pixel = pixel_of(eye, {vertex.x, vertex.y, -1});
         EXPECT_NEAR(corners[i].x, pixel.x / kSize.width, 1e-5) << i;

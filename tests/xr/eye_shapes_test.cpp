@@ -95,7 +95,7 @@ TEST(EyeShapes, BoxesGoWithTheSpaceTheyAreIn) {
     const glm::dmat4 inside = glm::inverse(world);
     for (const xr::ShapeVertex& corner : shapes.solid()) {
         const glm::dvec3 at = inside * glm::dvec4(corner.position, 1);
-        for (int axis = 0; axis < 3; axis++)
+        for (int axis = 0; axis < 3; ++axis)
             EXPECT_LT(std::min(std::abs(at[axis] - low[axis]), std::abs(at[axis] - high[axis])), 1e-6) << axis;
     }
     const size_t before = shapes.solid().size();

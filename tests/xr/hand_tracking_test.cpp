@@ -33,7 +33,7 @@ TEST(HandTracking, APinchGoesFromFiveCentimetresToATouch) {
 
 TEST(HandTracking, ABareHandPointsAlongItsIndexFinger) {
     RandomPoses random(3);
-    for (int i = 0; i < 50; i++) {
+    for (int i = 0; i < 50; ++i) {
         const glm::dvec3 wrist = random.vector(1), ahead = glm::normalize(random.vector(1));
         xr::HandInput input;
         ASSERT_TRUE(xr::fill_from_joints(input, hand_at(wrist, ahead, 0.01)));

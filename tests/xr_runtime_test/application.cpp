@@ -159,7 +159,7 @@ XrResult Application::locate_views(XrTime time) {
 
 void Application::fill_layers() {
     const XrRect2Di whole = {{0, 0}, {kSide, kSide}};
-    for (uint32_t eye = 0; eye < 2; eye++) {
+    for (uint32_t eye = 0; eye < 2; ++eye) {
         frame.depth[eye] = {XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR, nullptr, {depth, whole, eye}, 0, 1, 0.1f, 100};
         frame.eyes[eye] = {XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW,
                            &frame.depth[eye],

@@ -30,7 +30,7 @@ TEST(CorrectApplication, HasNoFindings) {
     app.script["timeline"] = {{{"frame", 0}, {"input", {{"/user/hand/right/input/trigger/value", 1}}}}};
     app.attach_actions();
     app.make_focused();
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         app.prepare_frame();
         EXPECT_EQ(app.sync_actions(), XR_SUCCESS);
         const XrActionStateGetInfo info = {XR_TYPE_ACTION_STATE_GET_INFO, nullptr, app.press, app.hands[1]};

@@ -40,7 +40,7 @@ XrResult never_poll(Application& app) {
     app.begin_session();
     const XrFrameEndInfo empty = {XR_TYPE_FRAME_END_INFO, nullptr, 0, XR_ENVIRONMENT_BLEND_MODE_OPAQUE};
     XrResult result = XR_SUCCESS;
-    for (int i = 0; i < 102 && result == XR_SUCCESS; i++) {
+    for (int i = 0; i < 102 && result == XR_SUCCESS; ++i) {
         result = wait(app);
         xrBeginFrame(app.session, nullptr);
         XrFrameEndInfo end = empty;

@@ -135,7 +135,7 @@ TEST(Script, StopsASessionAndLetsItBeginAgain) {
     app.poll_events();
     EXPECT_EQ(app.states.back(), XR_SESSION_STATE_STOPPING);
     EXPECT_EQ(xrEndSession(app.session), XR_SUCCESS);
-    for (int polls = 0; polls < 5; polls++) {
+    for (int polls = 0; polls < 5; ++polls) {
         app.poll_events();
         EXPECT_EQ(app.states.back(), XR_SESSION_STATE_IDLE);
     }
@@ -153,7 +153,7 @@ TEST(Script, SlowsFramesDown) {
     app.make_focused();
     std::vector<XrDuration> periods;
     XrTime before = app.frame.state.predictedDisplayTime;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         app.prepare_frame();
         const XrFrameState& state = app.frame.state;
         periods.push_back((state.predictedDisplayTime - before) / state.predictedDisplayPeriod);

@@ -212,7 +212,7 @@ XrResult room_behind_shutters(Application& app) {
     app.prepare_visible_frame();
     app.frame.layers.insert(app.frame.layers.begin(), reinterpret_cast<XrCompositionLayerBaseHeader*>(&layer));
     app.frame.end.layers = app.frame.layers.data();
-    app.frame.end.layerCount++;
+    ++app.frame.end.layerCount;
     return app.end_frame();
 }
 

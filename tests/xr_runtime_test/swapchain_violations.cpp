@@ -73,7 +73,7 @@ XrResult acquire_two(Application& app) {
     acquire(app.panel);
     uint32_t index = 0;
     const XrResult result = xrAcquireSwapchainImage(app.panel, nullptr, &index);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         wait(app.panel);
         release(app.panel);
     }

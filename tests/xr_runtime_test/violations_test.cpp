@@ -58,7 +58,7 @@ TEST(Swapchain, GivesNoMoreImagesThanItHas) {
     app.make_session();
     uint32_t count = 0, index = 0;
     EXPECT_EQ(xrEnumerateSwapchainImages(app.panel, 0, &count, nullptr), XR_SUCCESS);
-    for (uint32_t i = 0; i < count; i++) EXPECT_EQ(xrAcquireSwapchainImage(app.panel, nullptr, &index), XR_SUCCESS);
+    for (uint32_t i = 0; i < count; ++i) EXPECT_EQ(xrAcquireSwapchainImage(app.panel, nullptr, &index), XR_SUCCESS);
     EXPECT_EQ(xrAcquireSwapchainImage(app.panel, nullptr, &index), XR_ERROR_CALL_ORDER_INVALID);
     const json report = app.end();
     EXPECT_EQ(lines_of(report["violations"]), Lines{"xrAcquireSwapchainImage: swapchain-order"});

@@ -61,7 +61,7 @@ size_t pixels_of(const media::Image& image, const glm::vec3& colour) {
     size_t count = 0;
     for (size_t i = 0; i < image.rgba.size(); i += 4) {
         bool alike = true;
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; ++c)
             alike = alike && std::abs(image.rgba[i + static_cast<size_t>(c)] - 255 * colour[c]) < 12;
         count += alike;
     }

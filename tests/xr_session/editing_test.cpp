@@ -213,7 +213,7 @@ TEST_F(Editing, ABrushInTheAirPaintsAndIsSaved) {
 
 TEST_F(Editing, APictureIsProjectedAlongTheHand) {
     media::Image red(16, 8);
-    for (size_t i = 0; i < red.rgba.size(); i++) red.rgba[i] = i % 4 == 0 || i % 4 == 3 ? 255 : 0;
+    for (size_t i = 0; i < red.rgba.size(); ++i) red.rgba[i] = i % 4 == 0 || i % 4 == 3 ? 255 : 0;
     media::write_png(folder.path / "red.png", red);
     XrScript to_paint = with_panel();
     press(to_paint, 14, arrange_panel(), "paint");

@@ -25,7 +25,7 @@ TEST_F(Eyes, AreOf8BitsWhateverTheRuntimePrefers) {
 
 double mean_difference(const media::Image& a, const media::Image& b) {
     double sum = 0;
-    for (size_t i = 0; i < a.rgba.size(); i++) sum += std::abs(a.rgba[i] - b.rgba[i]);
+    for (size_t i = 0; i < a.rgba.size(); ++i) sum += std::abs(a.rgba[i] - b.rgba[i]);
     return sum / static_cast<double>(a.rgba.size());
 }
 
@@ -56,11 +56,11 @@ TEST_F(Eyes, DrawASmallerRectangleWhereTimeIsShort) {
 // Pixels of a part of an image, within `radius` of (x, y), that differ clearly.
 uint32_t differing(const media::Image& a, const media::Image& b, int x, int y, int radius) {
     uint32_t count = 0;
-    for (int v = y - radius; v <= y + radius; v++)
-        for (int u = x - radius; u <= x + radius; u++)
-            for (int c = 0; c < 3; c++)
+    for (int v = y - radius; v <= y + radius; ++v)
+        for (int u = x - radius; u <= x + radius; ++u)
+            for (int c = 0; c < 3; ++c)
                 if (std::abs(a.at(u, v)[c] - b.at(u, v)[c]) > 8) {
-                    count++;
+                    ++count;
                     break;
                 }
     return count;
@@ -161,7 +161,7 @@ TEST_F(NarrowViews, FollowTheGazeWhileItIsTracked) {
     expect_clean(four);
     const json looked = four.report["layers"][0]["fov_deg"][2], still = four.report["layers"][1]["fov_deg"][2];
     EXPECT_LT(looked[2].get<double>(), still[2].get<double>() - 10) << "down to the feet";
-    for (size_t i = 0; i < 4; i++) EXPECT_NEAR(still[i].get<double>(), fov[0][i].get<double>(), 1e-3);
+    for (size_t i = 0; i < 4; ++i) EXPECT_NEAR(still[i].get<double>(), fov[0][i].get<double>(), 1e-3);
     const json two = {looked, four.report["layers"][0]["fov_deg"][3]};
     EXPECT_TRUE(same_pixels(four.image(kSaved, "left_narrow"), stereo(two).image(kSaved, "left")));
     EXPECT_FALSE(same_pixels(four.image(kSaved, "left"), four.image(kLost, "left")))
@@ -186,8 +186,8 @@ TEST_F(NarrowViews, AreLeftOutByStereo) {
 // The share of a part of an image whose alpha is above `alpha`.
 double covered(const media::Image& image, uint32_t left, uint32_t top, uint32_t right, uint32_t bottom, int alpha) {
     uint32_t count = 0;
-    for (uint32_t y = top; y < bottom; y++)
-        for (uint32_t x = left; x < right; x++) count += image.at(x, y)[3] > alpha;
+    for (uint32_t y = top; y < bottom; ++y)
+        for (uint32_t x = left; x < right; ++x) count += image.at(x, y)[3] > alpha;
     return count / double((right - left) * (bottom - top));
 }
 
@@ -284,7 +284,7 @@ TEST_F(Room, IsKeptFromRunToRun) {
     expect_clean(again);
     EXPECT_EQ(again.report["layers"][0]["blend"], "alpha_blend");
     script.json["blend_modes"] = {"opaque"};
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; ++i)
         EXPECT_NE(run(script).log.find("cannot show your room"), std::string::npos) << "a headset that cannot show it";
     script.json["blend_modes"] = {"opaque", "alpha_blend"};
     EXPECT_EQ(run(script).report["layers"][0]["blend"], "alpha_blend") << "does not change what the user wants";
@@ -302,8 +302,8 @@ TEST_F(Room, HasAShadowEvenWithoutLights) {
         const bool black = seen.rgba[i] + seen.rgba[i + 1] + seen.rgba[i + 2] == 0;
         shadow += black && seen.rgba[i + 3] > 10 && seen.rgba[i + 3] < 200;
         if (seen.rgba[i + 3] != 255) continue;
-        figure++;
-        for (size_t c = 0; c < 3; c++) changed += std::abs(seen.rgba[i + c] - alone.rgba[i + c]) > 1;
+        ++figure;
+        for (size_t c = 0; c < 3; ++c) changed += std::abs(seen.rgba[i + c] - alone.rgba[i + c]) > 1;
     }
     EXPECT_GT(shadow, 15u);
     EXPECT_GT(figure, 200u);

@@ -34,7 +34,7 @@ struct Faults : XrSession {
     }
     static size_t count(const std::string& text, const std::string& word) {
         size_t found = 0;
-        for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) found++;
+        for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++found;
         return found;
     }
 };
@@ -133,7 +133,7 @@ TEST_F(Faults, MemoryDoesNotGrowWithLostRuntimes) {
     constexpr int kLosses = 12, kApart = 10;
     constexpr double kMostBytesALoss = 1 << 20;
     XrScript script;
-    for (int i = 0; i < kLosses; i++) script.event(kReady + i * kApart, "lose_instance");
+    for (int i = 0; i < kLosses; ++i) script.event(kReady + i * kApart, "lose_instance");
     script.end(kReady + kLosses * kApart);
     const XrRun run = this->run(script, {}, false);
     EXPECT_EQ(run.code, 0) << run.log;

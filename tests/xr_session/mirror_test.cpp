@@ -30,7 +30,7 @@ bool is_mirrored(const media::Image& eye, const media::Image& screen, const ui::
             const auto at_x = static_cast<uint32_t>(left + scale * (x + 0.5)),
                        at_y = static_cast<uint32_t>(top + scale * (y + 0.5));
             if (at_x >= screen.width || at_y >= screen.height) continue;
-            for (int c = 0; c < 3; c++) max = std::max(max, std::abs(eye.at(x, y)[c] - screen.at(at_x, at_y)[c]));
+            for (int c = 0; c < 3; ++c) max = std::max(max, std::abs(eye.at(x, y)[c] - screen.at(at_x, at_y)[c]));
         }
     return max <= 255 * 0.5 / scale + 1;
 }
@@ -39,8 +39,8 @@ bool is_mirrored(const media::Image& eye, const media::Image& screen, const ui::
 media::Image image_of_window(const ui::WindowGeometry& window, const media::Image& eye) {
     media::Image shown(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));
     const auto [scale, left, top] = fit_of(eye, window);
-    for (uint32_t y = 0; y < shown.height; y++)
-        for (uint32_t x = 0; x < shown.width; x++) {
+    for (uint32_t y = 0; y < shown.height; ++y)
+        for (uint32_t x = 0; x < shown.width; ++x) {
             const double at_x = (x + 0.5 - left) / scale, at_y = (y + 0.5 - top) / scale;
             if (at_x >= 0 && at_y >= 0 && at_x < eye.width && at_y < eye.height)
                 std::copy_n(eye.at(static_cast<uint32_t>(at_x), static_cast<uint32_t>(at_y)), 4, shown.at(x, y));

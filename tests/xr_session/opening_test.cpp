@@ -62,7 +62,7 @@ struct Opening : XrSession {
 media::Image status_of(const XrRun& run, int frame) {
     const media::Image image = run.image(frame, "left");
     media::Image part(image.width / 2, image.height / 5);
-    for (uint32_t y = 0; y < part.height; y++)
+    for (uint32_t y = 0; y < part.height; ++y)
         std::copy_n(image.at(image.width / 4, y + image.height * 13 / 20), size_t{4} * part.width, part.at(0, y));
     return part;
 }

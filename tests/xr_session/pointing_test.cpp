@@ -81,8 +81,8 @@ TEST_F(Pointing, AnErrorIsInViewAndFeltTwiceInBothHands) {
 // The brightest and darkest luma in a part of an image, whose corners are in pixels.
 std::pair<int, int> contrast(const media::Image& image, glm::ivec2 low, glm::ivec2 high) {
     std::pair range{255, 0};
-    for (int y = low.y; y < high.y; y++)
-        for (int x = low.x; x < high.x; x++) {
+    for (int y = low.y; y < high.y; ++y)
+        for (int x = low.x; x < high.x; ++x) {
             const uint8_t* pixel = image.at(static_cast<uint32_t>(x), static_cast<uint32_t>(y));
             const int luma = (pixel[0] + 2 * pixel[1] + pixel[2]) / 4;
             range = {std::min(range.first, luma), std::max(range.second, luma)};

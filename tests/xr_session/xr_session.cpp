@@ -136,7 +136,7 @@ void XrSession::write_settings(const std::string& json) const {
 XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& more, bool validate) {
     XrRun run;
     run.out = next_out();
-    runs_++;
+    ++runs_;
     std::filesystem::create_directories(run.out);
     const std::filesystem::path path = run.out / "script.json", log = run.out / "log.txt";
     std::ofstream(path) << script.text();
@@ -228,7 +228,7 @@ glm::dvec3 XrSession::position(const json& node) {
 
 bool same_pixels(const media::Image& a, const media::Image& b, int step) {
     if (a.width != b.width || a.height != b.height) return false;
-    for (size_t i = 0; i < a.rgba.size(); i++)
+    for (size_t i = 0; i < a.rgba.size(); ++i)
         if (std::abs(a.rgba[i] - b.rgba[i]) > step) return false;
     return true;
 }

@@ -170,7 +170,7 @@ Steps measure_steps(const gpu::Device& device, Lesson& lesson, const CoachOption
     Steps steps;
     tools::Progress progress("frames", options.frames);
     constexpr uint32_t kWarmUp = 8;  // frames until pipelines and the body of the packets are known
-    for (uint32_t i = 0; i < options.frames + kWarmUp && !stop_requested(); i++) {
+    for (uint32_t i = 0; i < options.frames + kWarmUp && !stop_requested(); ++i) {
         if (i == kWarmUp) steps = {};
         const double now_s = i / lesson.stage.fps;
         const stage::EvaluatedStage evaluated = lesson.shown(now_s);
@@ -195,7 +195,7 @@ size_t heap_in_use() {
 HeapGrowth measure_heap(Lesson& lesson, uint32_t packets) {
     HeapGrowth heap;
     tools::Progress progress("packets", packets);
-    for (uint32_t i = 0; i < packets && !stop_requested(); i++) {
+    for (uint32_t i = 0; i < packets && !stop_requested(); ++i) {
         const double now_s = i / kPacketRate_hz;
         lesson.send_pose(now_s);
         const std::optional<motion::TimedPose> pose = lesson.source->newest(now_s);

@@ -44,7 +44,7 @@ class Marcher {
         const glm::vec3 scale = static_cast<float>(side_) / slice.box_size;
         origin_ = (origin_world - slice.box_min) * scale;
         direction_ = direction_world * scale;
-        for (int axis = 0; axis < 3; axis++)
+        for (int axis = 0; axis < 3; ++axis)
             inverse_[axis] = 1 / (std::abs(direction_[axis]) < 1e-20f ? 1e-20f : direction_[axis]);
         const glm::vec3 a = -origin_ * inverse_, b = (static_cast<float>(side_) - origin_) * inverse_;
         const glm::vec3 near = glm::min(a, b), far = glm::max(a, b);
@@ -66,7 +66,7 @@ class Marcher {
                     continue;
                 }
                 const HostSlice::Entry& entry = slice_.entries[entry_of(live, bit)];
-                counts_.entries++;
+                ++counts_.entries;
                 if (entry.node != UINT32_MAX) break;
                 const float t_in = t_, t_out = step(shift_ + static_cast<int>(wide_ >> (bit >> 3) & 1));
                 const float alpha = 1 - std::exp(-entry.sigma * std::max(t_out - t_in, 0.0f));
@@ -99,7 +99,7 @@ class Marcher {
     uint64_t enter() {
         shift_ = 2 * static_cast<int>(slice_.node_levels) - 2;
         in_node_ = true;
-        counts_.nodes++;
+        ++counts_.nodes;
         for (uint32_t node = 0, depth = 0;; shift_ -= 2) {
             counts_.descents += depth++ > slice_.top_levels;
             const glm::uvec4& words = slice_.nodes[node];
@@ -118,12 +118,12 @@ class Marcher {
         const glm::ivec3 low = (cell_ >> shift) << shift, left = cell_;
         const int size = 1 << shift;
         glm::vec3 faces;
-        for (int axis = 0; axis < 3; axis++)
+        for (int axis = 0; axis < 3; ++axis)
             faces[axis] =
                 (static_cast<float>(low[axis] + (inverse_[axis] > 0 ? size : 0)) - origin_[axis]) * inverse_[axis];
         const float t_out = std::min({faces.x, faces.y, faces.z});
         t_ = std::max(t_, t_out);
-        for (int axis = 0; axis < 3; axis++) {
+        for (int axis = 0; axis < 3; ++axis) {
             const int at = static_cast<int>(std::floor(origin_[axis] + direction_[axis] * t_));
             const int beyond = inverse_[axis] > 0 ? low[axis] + size : low[axis] - 1;
             cell_[axis] = faces[axis] <= t_out ? beyond : std::clamp(at, low[axis], low[axis] + size - 1);
@@ -155,8 +155,8 @@ std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRange
     std::mutex adding;
     parallel_for((camera.height + kTile - 1) / kTile, 1, [&](size_t begin, size_t end) {
         MarchCounts sum;
-        for (size_t row = begin * kTile; row < std::min<size_t>(end * kTile, camera.height); row++)
-            for (uint32_t x = 0; x < camera.width; x++) {
+        for (size_t row = begin * kTile; row < std::min<size_t>(end * kTile, camera.height); ++row)
+            for (uint32_t x = 0; x < camera.width; ++x) {
                 const glm::vec2 range = ranges[row / kTile * across + x / kTile];
                 if (!(range.x < range.y)) continue;
                 const glm::vec3 line{(x + 0.5 - camera.cx) / camera.fx,
@@ -227,15 +227,15 @@ void measure_host(const gpu::Device& device, const render::Field& field, const r
     const size_t tiles = size_t{(camera.width + kTile - 1) / kTile} * ((camera.height + kTile - 1) / kTile);
     const HostTileRanges ranges = host_ranges(device, renderer.ranges(), tiles);
     std::vector<glm::vec4> rays;
-    for (uint32_t i = 0; i < repeats; i++) {
+    for (uint32_t i = 0; i < repeats; ++i) {
         const auto start = std::chrono::steady_clock::now();
         rays = march_on_host(slice, ranges, camera, render::kStopTransmittance, host.counts);
-        host.images++;
+        ++host.images;
         host.ms.push_back(milliseconds_since(start));
     }
     const std::vector<glm::vec4> truth = renderer.radiance();
-    for (size_t i = 0; i < rays.size(); i++)
-        for (int c = 0; c < 4; c++)
+    for (size_t i = 0; i < rays.size(); ++i)
+        for (int c = 0; c < 4; ++c)
             host.worst_difference = std::max(host.worst_difference, std::abs(double{rays[i][c]} - truth[i][c]));
 }
 

@@ -87,7 +87,7 @@ struct Footprint {
 
 Footprint measure_footprint(Scene& scene, uint32_t divisor, uint32_t views) {
     Footprint result{divisor};
-    for (uint32_t view = 0; view < views; view++) {
+    for (uint32_t view = 0; view < views; ++view) {
         const stage::Camera camera = scene.camera(divisor, 0.2 + 1.3 * view);
         const double frame = (scene.frames - 1.0) * view / std::max(views - 1, 1u);
         const media::Image truth = scene.image(camera, kTruth, frame);
@@ -101,9 +101,9 @@ Footprint measure_footprint(Scene& scene, uint32_t divisor, uint32_t views) {
     }
     double moved[3] = {};  // without, with, truth
     media::Image last[3];
-    for (int step = 0; step < kSteps; step++) {
+    for (int step = 0; step < kSteps; ++step) {
         const stage::Camera camera = scene.camera(divisor, 0.2 + 0.01 * step);
-        for (int way = 0; way < 3; way++) {
+        for (int way = 0; way < 3; ++way) {
             const media::Image image = scene.image(camera, way == 0 ? kWithout : way == 1 ? kWith : kTruth, 0);
             if (step > 0) moved[way] += mean_difference(last[way], image) / (kSteps - 1);
             last[way] = image;
@@ -123,7 +123,7 @@ Switches measure_switches(Scene& scene) {
     Switches result;
     media::Image last, last_truth;
     uint32_t last_level = 0;
-    for (int step = 0; step < kAway; step++) {
+    for (int step = 0; step < kAway; ++step) {
         const stage::Camera camera = scene.camera(1, 0.2, 2.2 * std::exp2(3.0 * step / (kAway - 1)));
         const uint32_t level = render::far_level_for(scene.field, {&camera, 1}, glm::mat4(1), 1);
         const media::Image image = scene.image(camera, kWith, 0), truth = scene.image(camera, kTruth, 0);
@@ -146,14 +146,14 @@ std::vector<double> crowd_ms(Scene& scene, const FarOptions& options, bool far_l
     render::FrameSettings settings = play_settings({camera.width, camera.height});
     settings.far_levels = far_levels;
     settings.instances.clear();
-    for (uint32_t i = 0; i < options.count; i++) {
+    for (uint32_t i = 0; i < options.count; ++i) {
         const glm::dvec3 at(step_m * (i % side), step_m * std::floor(i / side), 0);
         settings.instances.push_back(
             {static_cast<float>(i % scene.frames), glm::mat4(glm::translate(glm::dmat4(1), at))});
     }
     scene.renderer.render(camera, settings);  // compiles pipelines
     std::vector<double> ms;
-    for (uint32_t i = 0; i < options.repeats && !stop_requested(); i++) {
+    for (uint32_t i = 0; i < options.repeats && !stop_requested(); ++i) {
         scene.renderer.forget_slices();
         scene.renderer.render(camera, settings);
         ms.push_back(scene.renderer.milliseconds());

@@ -38,7 +38,7 @@ std::vector<render::Instance> copies_of(const voctree::VOctree& tree, const std:
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double step_m = 1.05 * glm::length(box.second - box.first);
     std::vector<render::Instance> copies;
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count; ++i) {
         const glm::dvec2 cell = glm::dvec2(i % side, i / side) - 0.5 * (side - 1.0);
         glm::dmat4 transform = glm::translate(glm::dmat4(1), glm::dvec3(cell.x * step_m, cell.y * step_m, 0) + middle);
         transform = glm::rotate(transform, 2.4 * i, glm::dvec3(0, 1, 0));
@@ -66,7 +66,7 @@ Drawn draw(const gpu::Device& device, const render::Field& field, const Instance
     for (const std::vector<render::Instance>& instances : frames) {
         settings.instances = instances;
         renderer.render(camera, settings);  // builds slices, compiles pipelines
-        for (uint32_t i = 0; i < options.repeats && !stop_requested(); i++) {
+        for (uint32_t i = 0; i < options.repeats && !stop_requested(); ++i) {
             drawn.image = renderer.render(camera, settings);
             drawn.ms.push_back(milliseconds(renderer.pass_times()));
             add_image(drawn.passes, renderer.pass_times());

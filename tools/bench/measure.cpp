@@ -90,7 +90,7 @@ stage::Stage stage_of_copies(const std::filesystem::path& clip, uint32_t copies,
     stage::StageFile file = edit::new_stage(file_of_clip.parent_path() / "bench.gltf");
     const voctree::ClipHead head = voctree::read_clip_head(file_of_clip);
     const double step_m = widths_apart * head.box_size.x;
-    for (uint32_t i = 0; i < copies; i++) {
+    for (uint32_t i = 0; i < copies; ++i) {
         edit::Placement placement;
         placement.at = glm::dvec3(step_m * (i - 0.5 * (copies - 1)), -head.box_min.y, 0);
         edit::PerformerEdit edit;
@@ -139,7 +139,7 @@ uint32_t warm_up(const std::function<void()>& draw) {
     uint32_t calls = 0;
     do {
         draw();
-        calls++;
+        ++calls;
     } while (seconds_now() < until && !stop_requested());
     return calls;
 }
@@ -149,7 +149,7 @@ namespace {
 // The median of several times that what `record` records takes on the device.
 double recorded_ms(gpu::Commands& commands, const std::function<void()>& record) {
     std::vector<double> ms;
-    for (int i = 0; i < 7; i++) {
+    for (int i = 0; i < 7; ++i) {
         commands.begin();
         {
             const gpu::PassScope scope(commands, "copy");

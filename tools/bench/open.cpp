@@ -135,14 +135,14 @@ std::vector<voctree::LeafPosition> shell(uint32_t depth, double radius) {
     std::vector<voctree::LeafPosition> positions;
     const double middle = std::ldexp(0.5, static_cast<int>(depth));
     const uint32_t side = 1u << depth;
-    for (uint32_t z = 0; z < side; z++)
-        for (uint32_t y = 0; y < side; y++) {
+    for (uint32_t z = 0; z < side; ++z)
+        for (uint32_t y = 0; y < side; ++y) {
             const double dy = y + 0.5 - middle, dz = z + 0.5 - middle, across = dy * dy + dz * dz;
             const double outer = (radius + kThickness / 2) * (radius + kThickness / 2) - across;
             if (outer < 0) continue;
             const double inner = (radius - kThickness / 2) * (radius - kThickness / 2) - across;
             const auto first_x = static_cast<uint32_t>(middle - 0.5 - std::sqrt(outer)) + 1;
-            for (uint32_t x = first_x; x < side - first_x; x++) {
+            for (uint32_t x = first_x; x < side - first_x; ++x) {
                 const double dx = x + 0.5 - middle;
                 if (dx * dx >= inner) positions.push_back({x, y, z, depth});
             }
@@ -171,13 +171,13 @@ voctree::VOctree synthetic_scene(double megabytes) {
     std::sort(positions.begin(), positions.end(), before);
     voctree::build_topology(tree, positions);
     parallel_for(positions.size(), 4096, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             float* leaf = tree.leaf(static_cast<uint32_t>(i));
-            for (uint32_t w = 0; w < 2 * kSyntheticFrames; w++) leaf[w] = any_half(noise(i, w));
-            for (uint32_t w = 2 * kSyntheticFrames; w < tree.weights_per_leaf(); w++)
+            for (uint32_t w = 0; w < 2 * kSyntheticFrames; ++w) leaf[w] = any_half(noise(i, w));
+            for (uint32_t w = 2 * kSyntheticFrames; w < tree.weights_per_leaf(); ++w)
                 leaf[w] = static_cast<float>(static_cast<int64_t>(noise(i, w))) * 0x1p-64f;
             const uint32_t band = positions[i].y * 16 >> depth, side = positions[i].x * 16 >> depth;
-            for (uint32_t channel = 0; channel < 3; channel++)
+            for (uint32_t channel = 0; channel < 3; ++channel)
                 leaf[2 * kSyntheticFrames + channel * hh_count(1)] += ((band + side * channel) & 1) ? 8.0f : -8.0f;
         }
     });

@@ -47,7 +47,7 @@ PairSorter::PairSorter(const gpu::Device& device, const SortPairs& given_pairs)
       scan_set(scan, {{kSortCount, &pairs.count},
                       {kSortBlockCounts, &pairs.block_counts},
                       {kSortDigitCounts, &pairs.digit_counts}}) {
-    for (uint32_t from = 0; from < 2; from++) {
+    for (uint32_t from = 0; from < 2; ++from) {
         count_sets[from] = gpu::BindingSet(count, {{kSortKeys, &pairs.keys[from]},
                                                    {kSortCount, &pairs.count},
                                                    {kSortBlockCounts, &pairs.block_counts},
@@ -65,7 +65,7 @@ void record_pair_sort(gpu::Commands& commands, const PairSorter& sorter, uint32_
     const SortPairs& pairs = sorter.pairs;
     gpu::fill(commands, pairs.digit_counts, 0);
     gpu::compute_barrier(commands);
-    for (uint32_t round = 0; round * kSortDigitBits < key_bits; round++) {
+    for (uint32_t round = 0; round * kSortDigitBits < key_bits; ++round) {
         const uint32_t from = round % 2;
         const PairSortPush push{round, pairs.capacity, gpu::groups_of(pairs.capacity, kSortBlock)};
         gpu::dispatch_indirect(commands, sorter.count, sorter.count_sets[from], pairs.count, 0, push);

@@ -91,7 +91,7 @@ media::Image measure(Renderers& renderers, Path& path, const tools::ViewStep& vi
     // Paths without a slice take seconds on some devices.
     if (warm_up([&] { draw(renderers, path, view); }) < kCallsOfFastPath) repeats = std::min(repeats, repeats_if_slow);
     const auto* mode = std::get_if<render::TraceMode>(&path.mode);
-    for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
+    for (uint32_t i = 0; i < repeats && !stop_requested(); ++i) {
         const std::vector<gpu::PassTime> passes = draw(renderers, path, view);
         path.slice_ms.push_back(part_ms(passes, true));
         path.rest_ms.push_back(part_ms(passes, false));
@@ -119,10 +119,10 @@ RenderResult measure_all(const gpu::Device& device, const voctree::VOctree& tree
     Renderers renderers(device, field, size);
     const render::FrameRenderer& renderer = renderers.frames;
     tools::Progress progress("bench", options.views * result.paths.size());
-    for (uint32_t i = 0; i < options.views && !stop_requested(); i++) {
+    for (uint32_t i = 0; i < options.views && !stop_requested(); ++i) {
         const tools::ViewStep& view = orbit[i * orbit.size() / options.views];
         media::Image truth;
-        for (size_t p = 0; p < result.paths.size() && !stop_requested(); p++) {
+        for (size_t p = 0; p < result.paths.size() && !stop_requested(); ++p) {
             const uint32_t repeats_if_slow = p < 2 ? 1 : options.repeats;
             const media::Image image =
                 measure(renderers, result.paths[p], view, options.repeats, repeats_if_slow, result);

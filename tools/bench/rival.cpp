@@ -60,7 +60,7 @@ void measure_rival(const gpu::Device& device, const render::Field& field, const 
     const LeafRasterizer rasterizer(device, field, performer.slices()->trees(), *performer.passes().shaded(), rays,
                                     pairs);
     gpu::Commands commands(device, "rival");
-    for (uint32_t i = 0; i < repeats + 1; i++) {
+    for (uint32_t i = 0; i < repeats + 1; ++i) {
         commands.begin();
         record_leaf_raster(commands, rasterizer, 0, *rays.cameras.as<ShaderCamera>());
         commands.submit();

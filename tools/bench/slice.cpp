@@ -44,7 +44,7 @@ SliceTimes measure(const gpu::Device& device, const render::Field& field, const 
     gpu::Commands commands(device, "slice");
     SliceTimes times;
     tools::Progress progress("bench", options.frames * options.repeats);
-    for (uint32_t i = 0; i <= options.frames * options.repeats && !stop_requested(); i++) {
+    for (uint32_t i = 0; i <= options.frames * options.repeats && !stop_requested(); ++i) {
         const uint32_t step = (i + options.frames - 1) % options.frames;
         const float frame = static_cast<float>(field.frames - 1) * static_cast<float>(step) /
                             static_cast<float>(std::max(options.frames, 2u) - 1);

@@ -71,7 +71,7 @@ std::vector<StageVariant> measure_variants(const gpu::Device& device, const Stag
                                           {"shadows and falloff"},
                                           {"as layers (paper)", true, true, stage::StageBlend::kPaper}};
     tools::Progress progress("bench", options.repeats);
-    for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
+    for (uint32_t i = 0; i <= options.repeats && !stop_requested(); ++i) {
         for (StageVariant& variant : variants) {
             media::Image drawn;
             const double ms = draw(renderer, stage, camera, variant, drawn);
@@ -102,7 +102,7 @@ double growth(const StageResult& result, size_t variant) {
 void print(const StageResult& result, const gpu::Device& device, const StageOptions& options) {
     fmt::print("{}: {}, {}, two performers {}, a floor, a spotlight\n", device.summary().name, options.scene,
                options.size, options.together ? "in each other" : "beside each other");
-    for (size_t i = 0; i < result.variants.size(); i++) {
+    for (size_t i = 0; i < result.variants.size(); ++i) {
         const StageVariant& variant = result.variants[i];
         fmt::print("{:<20} {:>8.1f} ms  {:>+6.1f} %\n", variant.name, median(variant.ms), 100 * growth(result, i));
     }
@@ -113,7 +113,7 @@ void print(const StageResult& result, const gpu::Device& device, const StageOpti
 
 nlohmann::ordered_json json_of(const StageResult& result, const StageOptions& options) {
     nlohmann::ordered_json json;
-    for (size_t i = 0; i < result.variants.size(); i++)
+    for (size_t i = 0; i < result.variants.size(); ++i)
         json["ways"].push_back(
             {{"name", result.variants[i].name}, {"ms", median(result.variants[i].ms)}, {"growth", growth(result, i)}});
     json["copies"] = options.copies;

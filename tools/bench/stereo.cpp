@@ -98,7 +98,7 @@ void measure(render::FrameRenderer& renderer, StereoVariant& variant, const std:
     settings.scale = variant.scale;
     settings.foveae = variant.foveae;
     warm_up([&] { draw(renderer, eyes, settings, variant.one_by_one); });
-    for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
+    for (uint32_t i = 0; i < repeats && !stop_requested(); ++i) {
         const std::vector<gpu::PassTime> passes = draw(renderer, eyes, settings, variant.one_by_one);
         variant.ms.push_back(milliseconds(passes));
         add_image(variant.passes, passes);
@@ -121,7 +121,7 @@ std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stag
     warm_up([&] { renderer.draw(eyes, settings); });
     renderer.forget_slices();
     std::vector<double> ms;
-    for (uint32_t i = 0; i < kDisplayFrames && !stop_requested(); i++) {
+    for (uint32_t i = 0; i < kDisplayFrames && !stop_requested(); ++i) {
         const auto frame = static_cast<uint32_t>(i * kClipFps / kDisplayHz);
         settings.instances[0].frame = static_cast<float>(frame % clip_frames);
         if (ahead) settings.next_instances = {{static_cast<float>((frame + 1) % clip_frames)}};
@@ -141,7 +141,7 @@ StereoResult measure_all(const gpu::Device& device, const voctree::VOctree& tree
     result.variants = all_variants();
     std::vector<media::Image> truth;
     tools::Progress progress("bench", result.variants.size() + 2);
-    for (size_t i = 0; i < result.variants.size() && !stop_requested(); i++) {
+    for (size_t i = 0; i < result.variants.size() && !stop_requested(); ++i) {
         measure(renderer, result.variants[i], eyes, options.repeats, truth, result);
         progress.update(i + 1);
     }

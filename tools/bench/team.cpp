@@ -99,7 +99,7 @@ struct Bench {
     // The median time of some work on the host that can be repeated.
     double host_ms(const std::function<void()>& work) const {
         std::vector<double> ms;
-        for (uint32_t i = 0; i < options.repeats; i++) {
+        for (uint32_t i = 0; i < options.repeats; ++i) {
             const double start = seconds_now();
             work();
             ms.push_back(1000 * (seconds_now() - start));
@@ -110,7 +110,7 @@ struct Bench {
     // The device's time of a step whose slice is there already, as it is of most steps.
     double device_ms(training::TrainingStep& step, uint32_t members) const {
         std::vector<double> ms;
-        for (uint32_t i = 0; i < options.repeats; i++) {
+        for (uint32_t i = 0; i < options.repeats; ++i) {
             run(step, 0, members);
             ms.push_back(milliseconds(step.pass_times()));
         }
@@ -153,7 +153,7 @@ TeamStep Bench::together(uint32_t members) const {
     const uint32_t tiles = options.tiles + 1;  // shares of a batch differ by a tile
     training::TrainingStep step(device, tree, static_cast<uint32_t>(dataset.cameras.size()), tiles, stand_in.team());
     TeamStep result{.members = members};
-    for (uint32_t member = 0; member < members; member++) {
+    for (uint32_t member = 0; member < members; ++member) {
         expect_not_stopped();
         result.rays += static_cast<double>(run(step, member, members).pixels) / members;  // results are sums of members
     }
@@ -176,7 +176,7 @@ void Bench::cost_of_shares(StandIn& stand_in, const std::vector<Bytes>& records,
     training::RecordSum adder(tree.leaf_count, words);
     stand_in.sums.resize(members);
     double bytes = 0;
-    for (uint32_t receiver = 0; receiver < members; receiver++) {
+    for (uint32_t receiver = 0; receiver < members; ++receiver) {
         std::vector<Bytes> received;
         for (const std::vector<Bytes>& to : stand_in.sent) received.push_back(to[receiver]);
         std::span<const uint32_t> sums;

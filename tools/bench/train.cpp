@@ -58,7 +58,7 @@ TrainResult measure(const gpu::Device& device, const voctree::VOctree& tree, con
     TrainResult result;
     result.busy_planes = step.field().busy_planes;
     tools::Progress progress("bench", options.repeats);
-    for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
+    for (uint32_t i = 0; i <= options.repeats && !stop_requested(); ++i) {
         const training::Batch batch = sampler.next();
         training::StepSettings settings;  // learning rates are 0, so weights stay as they are
         settings.frame = static_cast<float>(training::frame_of_time(batch.time, tree.frames));

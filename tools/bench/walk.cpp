@@ -38,7 +38,7 @@ void list_every_tile(const gpu::Device& device, const render::TileRanges& ranges
     const uint32_t near = 0, far = ~std::bit_cast<uint32_t>(1e30f);
     const std::vector<glm::uvec2> words(tiles, glm::uvec2(near, far));
     std::vector<uint32_t> list(tiles);
-    for (uint32_t tile = 0; tile < tiles; tile++) list[tile] = tile;
+    for (uint32_t tile = 0; tile < tiles; ++tile) list[tile] = tile;
     const uint32_t across = std::min(tiles, kListRow);
     list.resize(ranges.list.bytes / 4, kNoTile);
     const LiveCount count{across, (tiles + across - 1) / across, 1, tiles, 0};
@@ -72,15 +72,15 @@ class WalkBench {
     // Adds the GPU milliseconds of the trace of each step for one view.
     void measure(const tools::ViewStep& view, uint32_t repeats, std::vector<Step>& all) {
         const ShaderCamera camera = render::shader_camera(view.camera);
-        for (uint32_t i = 0; i < 2; i++) target_.set_camera(i, camera, render::range_view(camera));
+        for (uint32_t i = 0; i < 2; ++i) target_.set_camera(i, camera, render::range_view(camera));
         gpu::run_once(device_, "slice", [&](gpu::Commands& commands) {
             render::record_cameras(commands, target_);
             render::record_slice_tree(commands, slicer_, 0, static_cast<float>(view.frame));
             render::record_shade(commands, shader_, 0, 0, glm::vec3(camera.origin));
         });
-        for (size_t i = 0; i < all.size() && !stop_requested(); i++) {
+        for (size_t i = 0; i < all.size() && !stop_requested(); ++i) {
             if (!all[i].ranges) list_every_tile(device_, target_.ranges, layout_.ray_tiles());
-            for (uint32_t repeat = 0; repeat <= repeats; repeat++) {
+            for (uint32_t repeat = 0; repeat <= repeats; ++repeat) {
                 const double ms = trace(*tracers_[i], all[i].ranges);
                 if (repeat > 0) all[i].ms.push_back(ms);  // the first one fills caches
             }
@@ -123,7 +123,7 @@ void print(const std::vector<Step>& all, uint64_t rays, const gpu::Device& devic
     fmt::print("{}: {}, {}, {} views; a shaded slice, each step with those before it\n", device.summary().name,
                options.scene, options.size, options.views);
     fmt::print("{:<58} {:>9} {:>8} {:>10} {:>10}\n", "", "ms (p50)", "ns a ray", "of before", "of first");
-    for (size_t i = 0; i < all.size(); i++) {
+    for (size_t i = 0; i < all.size(); ++i) {
         const double ms = median(all[i].ms);
         fmt::print("{:<58} {:>9} {:>8.3g} {:>10.2f} {:>10.2f}\n", all[i].name, ms_text(ms),
                    1e6 * ms / static_cast<double>(rays), ms / median(all[i > 0 ? i - 1 : 0].ms),
@@ -146,7 +146,7 @@ void run_walk(const BenchOptions& options, const tools::CommonOptions& common) {
     WalkBench bench(device, tree, size);
     std::vector<Step> all = steps();
     tools::Progress progress("bench", options.views);
-    for (uint32_t i = 0; i < options.views && !stop_requested(); i++) {
+    for (uint32_t i = 0; i < options.views && !stop_requested(); ++i) {
         bench.measure(orbit[i * orbit.size() / options.views], options.repeats, all);
         progress.update(i + 1);
     }

@@ -37,7 +37,7 @@ xr::EyeViews eyes_at(const stage::Stage& stage, double time_s) {
     const glm::dvec3 middle = 0.5 * (low + high);
     const glm::dvec3 head(middle.x + 0.12 * std::sin(1.3 * time_s), std::min(high.y, low.y + 1.65), high.z + 2);
     xr::EyeViews eyes{std::vector<xr::EyeView>(xr::kEyes)};
-    for (uint32_t eye = 0; eye < xr::kEyes; eye++) {
+    for (uint32_t eye = 0; eye < xr::kEyes; ++eye) {
         eyes.views[eye].pose.position = head + glm::dvec3((eye - 0.5) * 0.064, 0, 0);
         eyes.views[eye].pose.rotation = glm::angleAxis(0.08 * std::sin(0.7 * time_s), glm::dvec3(0, 1, 0));
         const auto rad = [](double degrees) { return static_cast<float>(glm::radians(degrees)); };
@@ -99,7 +99,7 @@ class XrFrames {
     // Takes the poses of the eyes, as late as a headset's frame does.
     void take_poses(uint32_t frame) {
         const xr::EyeViews eyes = eyes_at(stage_, frame / options_.hz);
-        for (uint32_t eye = 0; eye < xr::kEyes; eye++)
+        for (uint32_t eye = 0; eye < xr::kEyes; ++eye)
             cameras_[eye] = xr::eye_camera(eyes.views[eye], {}, {size_.width, size_.height});
     }
     // Both eyes, brought to the headset's images.
@@ -142,7 +142,7 @@ double eyes_ms(const std::vector<gpu::PassTime>& passes) {
 // Draws frames without a pause, and returns the milliseconds a frame.
 double back_to_back_ms(XrFrames& frames, uint32_t count, bool waits) {
     const double begin_s = seconds_now();
-    for (uint32_t i = 0; i < count && !stop_requested(); i++) {
+    for (uint32_t i = 0; i < count && !stop_requested(); ++i) {
         frames.begin(i);
         frames.take_poses(i);
         frames.submit();
@@ -156,7 +156,7 @@ double back_to_back_ms(XrFrames& frames, uint32_t count, bool waits) {
 void measure_overlap(XrFrames& frames, HeadsetResult& result) {
     constexpr uint32_t kRounds = 5, kFrames = 24;
     std::vector<double> waiting, overlapping;
-    for (uint32_t round = 0; round < kRounds; round++) {
+    for (uint32_t round = 0; round < kRounds; ++round) {
         waiting.push_back(back_to_back_ms(frames, kFrames, true));
         overlapping.push_back(back_to_back_ms(frames, kFrames, false));
     }
@@ -169,7 +169,7 @@ HeadsetResult measure(const gpu::Device& device, const stage::Stage& stage, cons
     HeadsetResult result;
     tools::Progress progress("frames", options.frames);
     constexpr uint32_t kWarmUp = 8;  // frames until pipelines and slices are built
-    for (uint32_t i = 0; i < options.frames + kWarmUp && !stop_requested(); i++) {
+    for (uint32_t i = 0; i < options.frames + kWarmUp && !stop_requested(); ++i) {
         const double begin_s = seconds_now();
         frames.begin(i);
         const double poses_s = seconds_now();

@@ -70,7 +70,7 @@ std::vector<std::filesystem::path> files_of(const std::string& input) {
     std::sort(numbers.begin(), numbers.end());
     if (numbers.empty()) throw InputError(input, "", "names no file that is there");
     std::vector<std::filesystem::path> files;
-    for (size_t i = 0; i < numbers.size(); i++) {
+    for (size_t i = 0; i < numbers.size(); ++i) {
         if (numbers[i] != numbers[0] + i)
             throw InputError((folder / numbered->file(numbers[0] + i)).string(), "", "is missing among the frames",
                              "number them without gaps");
@@ -102,14 +102,14 @@ void compare(const gpu::Device& device, const ImportedFrame& frame, const voctre
     if (tree.leaf_count == 0) return;
     const ComparedViews views(device, tree, parse_size(options.size), options.views);
     std::vector<double> psnrs;
-    for (size_t i = 0; i < views.count(); i++) {
+    for (size_t i = 0; i < views.count(); ++i) {
         expect_to_go_on(options.output);
         media::Image truth;
         const auto background = telling_background(frame, views.camera_of(i), truth);
         if (background)
             psnrs.push_back(training::compare(truth, views.render_still(tree, i, *background)).psnr);
         else
-            imported.empty_views++;
+            ++imported.empty_views;
     }
     if (psnrs.empty()) return;
     imported.psnr = psnr_together(psnrs);
@@ -129,7 +129,7 @@ Imported import_frames(const FrameImportOptions& options, const CommonOptions& c
     EmptyFrame empty;
     voctree::ClipIndex index;
     index.fps = static_cast<float>(options.fps);
-    for (uint32_t i = 0; i < files.size(); i++) {
+    for (uint32_t i = 0; i < files.size(); ++i) {
         expect_to_go_on(options.output);
         const std::unique_ptr<ImportedFrame> frame = import->read(files[i]);
         for (const std::string& note : frame->notes()) imported.notes.add(files[i].string(), note);
@@ -143,7 +143,7 @@ Imported import_frames(const FrameImportOptions& options, const CommonOptions& c
         const std::filesystem::path file = clip.folder() / voctree::segment_file_name(i);
         voctree::write_nvv(file, tree, {}, 9, voctree::coarse_tree(tree));
         index.segments.push_back({file, i, 1});
-        imported.frames++;
+        ++imported.frames;
         imported.leaves += tree.leaf_count;
         imported.bytes += std::filesystem::file_size(file);
         if (i == files.size() / 2) compare(device, *frame, tree, options, imported);

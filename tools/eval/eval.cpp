@@ -149,8 +149,8 @@ void print(const training::Evaluation& evaluation, const training::Dataset& data
 std::vector<size_t> cuts_of(const voctree::ClipIndex& clip) {
     if (voctree::is_stream(clip)) return {};
     std::set<size_t> steps;
-    for (size_t i = 1; i < clip.segments.size(); i++)
-        for (size_t step = 0; step <= voctree::fade_frames(clip, i - 1); step++)
+    for (size_t i = 1; i < clip.segments.size(); ++i)
+        for (size_t step = 0; step <= voctree::fade_frames(clip, i - 1); ++step)
             steps.insert(clip.segments[i].first - 1 + step);
     return {steps.begin(), steps.end()};
 }

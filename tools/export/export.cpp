@@ -158,7 +158,7 @@ void run(const Command& verb, ExportOptions& options, const CommonOptions& commo
                          fmt::format("leave it out, or {} in --output", kPerformerPlace));
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     const auto stage = std::make_shared<const stage::Stage>(stage::load_stage(options.scene));
-    for (uint32_t i = 0; i < stage->performers.size(); i++) {
+    for (uint32_t i = 0; i < stage->performers.size(); ++i) {
         ExportOptions one = options;
         one.output.replace(place, std::string(kPerformerPlace).size(), file_name_of(stage->performers[i], *stage));
         const std::optional<nlohmann::ordered_json> json =

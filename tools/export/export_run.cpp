@@ -29,7 +29,7 @@ ExportRun::ExportRun(const ExportOptions& options, ExportedClip& clip, FrameExpo
     expect_files_for_frames(std::filesystem::path(options.output).extension().string());
     prepare_output_file("--output", numbered_ ? numbered_->file(uint64_t{frames_.first}) : options.output);
     if (options.resume) return;  // it leaves those alone that are there
-    for (uint32_t frame = frames_.first; frame <= frames_.last; frame++)
+    for (uint32_t frame = frames_.first; frame <= frames_.last; ++frame)
         for (const std::filesystem::path& file :
              kind_.files_of(numbered_ ? numbered_->file(uint64_t{frame}) : options.output))
             prepare_result("--output", file);
@@ -53,14 +53,14 @@ Working ExportRun::working(uint64_t done) {
 void ExportRun::write(const std::filesystem::path& file) {
     kind_.write(file);
     for (const std::filesystem::path& written : kind_.files_of(file)) {
-        files_++;
+        ++files_;
         bytes_ += std::filesystem::file_size(written);
     }
 }
 
 uint32_t ExportRun::measured_frame() const {
     const uint32_t middle = frames_.first + frames_.count() / 2;
-    for (uint32_t away = 0; away < frames_.count(); away++) {
+    for (uint32_t away = 0; away < frames_.count(); ++away) {
         if (middle + away <= frames_.last && !clip_.is_hidden(middle + away)) return middle + away;
         if (middle >= frames_.first + away && !clip_.is_hidden(middle - away)) return middle - away;
     }
@@ -76,7 +76,7 @@ void ExportRun::run() {
                 "choose fewer --frames, smaller ones, or another folder");
     kind_.measure(middle, working(0));
     bool waiting = false;  // frames that were added, but not written
-    for (uint32_t frame = frames_.first; frame <= frames_.last; frame++) {
+    for (uint32_t frame = frames_.first; frame <= frames_.last; ++frame) {
         const Working at_work = working(frame - frames_.first);
         at_work("");
         const std::filesystem::path file = numbered_ ? numbered_->file(uint64_t{frame}) : options_.output;

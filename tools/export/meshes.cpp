@@ -88,7 +88,7 @@ void MeshExport::measure(uint32_t frame, const Working& working) {
         const voctree::VOctree still = clip_.still(frame);
         const ComparedViews compared(device_, still, parse_size(options_.size), options_.views);
         std::vector<interchange::MeshView> views;
-        for (size_t i = 0; i < compared.count(); i++) {
+        for (size_t i = 0; i < compared.count(); ++i) {
             working("comparing the mesh with images of the middle frame");
             views.push_back({compared.camera_of(i), compared.light_of_still(still, i)});
         }

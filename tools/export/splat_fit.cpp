@@ -15,7 +15,7 @@ constexpr size_t kCloseViews = 4;
 
 const stage::Camera& nearest_camera(const ComparedViews& views, const glm::dvec3& place) {
     size_t nearest = 0;
-    for (size_t i = 1; i < views.count(); i++) {
+    for (size_t i = 1; i < views.count(); ++i) {
         const auto away = [&](size_t view) {
             return glm::distance(glm::dvec3(views.camera_of(view).world_from_camera[3]), place);
         };
@@ -39,7 +39,7 @@ std::optional<FittedSplats> fit_splats(const gpu::Device& device, const ExportOp
     if (volume.leaves.empty()) return std::nullopt;
     const ComparedViews compared(device, still, parse_size(options.size), options.views);
     std::vector<interchange::FitView> views;
-    for (size_t i = 0; i < compared.count(); i++)
+    for (size_t i = 0; i < compared.count(); ++i)
         views.push_back({compared.camera_of(i), compared.render_still(still, i)});
     // Splats are fitted where leaves are larger than pixels: a shape that was fitted to whole images relies on how
     // renderers widen small splats, and lets through what is behind it when a viewer goes nearer.

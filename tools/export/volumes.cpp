@@ -75,7 +75,7 @@ void VolumeExport::measure(uint32_t frame, const Working& working) {
     const voctree::VOctree still = clip_.still(frame);
     const ComparedViews views(device_, still, parse_size(options_.size), options_.views);
     std::vector<double> psnrs;
-    for (size_t i = 0; i < views.count(); i++) {
+    for (size_t i = 0; i < views.count(); ++i) {
         const media::Image drawn = interchange::vdb_image(
             read, views.camera_of(i), [&] { working("comparing the volume with images of the middle frame"); });
         psnrs.push_back(training::compare(views.render_still(still, i), drawn).psnr);

@@ -40,7 +40,7 @@ bool reaches_into(const PlacedBox& one, const PlacedBox& other, double share) {
     const glm::dmat4 other_from_one = glm::inverse(other.world_from_box) * one.world_from_box;
     const glm::dvec3 middle = 0.5 * (one.low + one.high), half = 0.5 * share * (one.high - one.low);
     const glm::dvec3 of_other = 0.5 * (other.low + other.high), other_half = 0.5 * share * (other.high - other.low);
-    for (int i = 0; i < (kPoints + 1) * (kPoints + 1) * (kPoints + 1); i++) {
+    for (int i = 0; i < (kPoints + 1) * (kPoints + 1) * (kPoints + 1); ++i) {
         const glm::dvec3 at(i % (kPoints + 1), i / (kPoints + 1) % (kPoints + 1), i / (kPoints + 1) / (kPoints + 1));
         const glm::dvec3 point = middle + half * (2.0 * at / double{kPoints} - 1.0);
         const glm::dvec3 away = glm::abs(glm::dvec3(other_from_one * glm::dvec4(point, 1)) - of_other);
@@ -68,7 +68,7 @@ std::optional<double> free_distance_m(const HeadsetState& state) {
     const auto [low, high] = editor::box_of(state, *performer);
     const glm::dmat3 parent(world_from_parent(state, state.stage->performers[*performer].node));
     for (const stage::EvaluatedPerformer& one : state.evaluated.performers)
-        for (int place = 1; one.performer == *performer && place <= kMostPlaces; place++)
+        for (int place = 1; one.performer == *performer && place <= kMostPlaces; ++place)
             for (const double side : {1.0, -1.0}) {
                 const double distance_m = side * place * kCopyDistance * *width;
                 PlacedBox box{one.world_from_performer, low, high};
@@ -84,7 +84,7 @@ double free_shift_m(const HeadsetState& state, uint32_t performer, const glm::dm
                     const glm::dvec3& along) {
     const auto [low, high] = editor::box_of(state, performer);
     const double step_m = kCopyDistance * (high.x - low.x) * glm::length(glm::dvec3(world_from_performer[0]));
-    for (int place = 0; step_m > 0 && place <= kMostPlaces; place++)
+    for (int place = 0; step_m > 0 && place <= kMostPlaces; ++place)
         for (const double side : {1.0, -1.0}) {
             PlacedBox box{world_from_performer, low, high};
             box.world_from_box[3] += glm::dvec4(side * place * step_m * along, 0);

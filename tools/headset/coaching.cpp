@@ -123,7 +123,7 @@ nlohmann::json Coaching::facts() const {
     if (!is_running()) return nullptr;
     const coach::Coach& coach = session_.coach();
     nlohmann::json red;
-    for (size_t i = 0; i < motion::kLimbs; i++) red[motion::kLimbNames[i]] = coach.red()[i];
+    for (size_t i = 0; i < motion::kLimbs; ++i) red[motion::kLimbNames[i]] = coach.red()[i];
     return {{"trainer", session_.trainer_name()},
             {"score", coach.feedback().score},
             {"red", red},

@@ -26,7 +26,7 @@ void session_row(Rows& rows) {
     } else if (rows.button("end coaching", ICON_STOP " End", one)) {
         coaching.end(rows.state);
     }
-    for (size_t i = 0; i < std::size(kModeLabels); i++) {
+    for (size_t i = 0; i < std::size(kModeLabels); ++i) {
         const auto mode = static_cast<coach::Mode>(i);
         ImGui::SameLine();
         if (rows.button(coach::kModeNames[i], kModeLabels[i], one, coaching.settings.mode == mode))
@@ -69,7 +69,7 @@ void limb_row(Rows& rows) {
     const coach::LimbValues red = coaching.is_running() ? coaching.session().coach().red() : coach::LimbValues{};
     constexpr size_t kInARow = 3;
     const float one = column_width(kInARow);
-    for (size_t i = 0; i < motion::kLimbs; i++) {
+    for (size_t i = 0; i < motion::kLimbs; ++i) {
         if (i % kInARow > 0) ImGui::SameLine();
         const bool counts = rows.coaching.settings.compare.counted[i], wrong = red[i] > 0.5;
         if (wrong) ImGui::PushStyleColor(ImGuiCol_Button, kWrong);

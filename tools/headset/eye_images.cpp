@@ -134,7 +134,7 @@ double EyeImages::ray_share(uint32_t view, bool follows_gaze) const {
 // views that follow the gaze have none: it would be another one in each frame, and lenses hide little there.
 void EyeImages::update_hidden_triangles(render::StageRenderer& renderer, const xr::EyeViews& eyes) {
     if (!quality_.mask) return;
-    for (uint32_t view = 0; view < hidden_.size(); view++) {
+    for (uint32_t view = 0; view < hidden_.size(); ++view) {
         const XrFovf& fov = eyes.views[view].fov;
         const bool moves = eyes.follows_gaze && view >= xr::kEyes;
         if (!moves && !mask_outdated_[view] && same_fov(mask_fov_[view], fov)) continue;
@@ -163,7 +163,7 @@ render::FrameSettings EyeImages::settings_of(const render::StageRenderer& render
             settings.foveae.push_back(xr::fovea_of(camera, *quality_.inset, kBeside, looks_at_));
     std::vector<render::Fovea> shares;
     bool fewer = false;
-    for (uint32_t view = 0; view < cameras_.size(); view++) {
+    for (uint32_t view = 0; view < cameras_.size(); ++view) {
         shares.push_back(even_rays(ray_share(view, follows_gaze)));
         fewer |= shares.back().beside < 1;
     }
@@ -178,7 +178,7 @@ void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStag
                      const xr::EyeShapes& shapes, const xr::EyeShade& shade, double budget_ms) {
     update_hidden_triangles(renderer, eyes);
     choose_size(budget_ms, has_drawn_ ? renderer.frames().device_milliseconds() : 0);
-    for (uint32_t view = 0; view < cameras_.size(); view++)
+    for (uint32_t view = 0; view < cameras_.size(); ++view)
         cameras_[view] = xr::eye_camera(eyes.views[view], world_from_tracking, drawn_size_);
     const render::FrameSettings settings = settings_of(renderer, evaluated, highlight, next, eyes.follows_gaze);
 
@@ -217,7 +217,7 @@ void EyeImages::record_left(gpu::Commands& commands, VkImage image) {
 }
 
 const XrCompositionLayerBaseHeader* EyeImages::layer(const xr::Session& session, bool over_layers) {
-    for (uint32_t view = 0; view < views_.size(); view++) {
+    for (uint32_t view = 0; view < views_.size(); ++view) {
         views_[view] = {XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW};
         views_[view].pose = xr::xr_pose(drawn_eyes_.views[view].pose);
         views_[view].fov = drawn_eyes_.views[view].fov;

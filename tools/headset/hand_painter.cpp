@@ -310,7 +310,7 @@ void HandPainter::process_strokes(HeadsetState& state) {
     const std::shared_ptr<Stroke> stroke = strokes_.front();
     if (!stroke->target) {
         if (state.is_behind()) return;
-        for (uint32_t i = 0; i < state.stage->performers.size() && !stroke->target; i++)
+        for (uint32_t i = 0; i < state.stage->performers.size() && !stroke->target; ++i)
             if (state.stage->performers[i].node == stroke->node) stroke->target = load_target(state, i, stroke->frame);
         if (!stroke->target && !reading_) strokes_.pop_front();  // a notice has said why
         if (!stroke->target) return;

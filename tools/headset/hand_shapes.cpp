@@ -179,7 +179,7 @@ void draw_floor(xr::EyeShapes& shapes, const HeadsetState& state) {
     const glm::dvec3 middle(std::round(state.rig.position.x), state.floor_m, std::round(state.rig.position.z));
     shapes.ellipse({state.head.x, state.floor_m, state.head.z}, {kFloor_m, 0, 0}, {0, 0, kFloor_m}, kFloor, kFloorRim);
     draw_contact_shadows(shapes, state);
-    for (int i = -kLinesPerSide; i <= kLinesPerSide; i++)
+    for (int i = -kLinesPerSide; i <= kLinesPerSide; ++i)
         for (const glm::dvec3& along : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)}) {
             const glm::dvec3 beside(along.z, 0, along.x), at = middle + double(i) * beside;
             for (const double direction : {-1.0, 1.0})
@@ -193,7 +193,7 @@ void draw_interaction(xr::EyeShapes& shapes, const HeadsetState& state, const In
     draw_planned_copies(shapes, state);
     draw_markers(shapes, state, interaction.hands);
     const bool aims_lights = state.tool == HandTool::kLights && selected_marker(state);
-    for (int which = 0; which < xr::kHands; which++) {
+    for (int which = 0; which < xr::kHands; ++which) {
         const Hand& hand = interaction.hands[which];
         draw_controller(shapes, hand);
         const bool uses_ray = state.picks_colour || (state.tool == HandTool::kPaint && state.brush.uses_ray());

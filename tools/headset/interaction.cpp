@@ -48,13 +48,13 @@ void Interaction::update(HeadsetState& state, const xr::HandInputs& inputs, cons
     if (!state.is_behind()) select(state);
     if (!state.is_behind()) grab.update(state, hands, dt_s);
     if (!state.is_behind()) lights.update(state, hands, dt_s);
-    for (int which = 0; which < xr::kHands; which++)
+    for (int which = 0; which < xr::kHands; ++which)
         used_buttons[which].grab |= grab.is_grabbing(which) || lights.is_holding(which);
     if (!state.is_behind()) painter.update(state, hands);
     if (!state.is_behind())
         for (Hand& hand : hands) hand.press_pending = false;
     std::array<bool, xr::kHands> stick_free{};
-    for (int which = 0; which < xr::kHands; which++)
+    for (int which = 0; which < xr::kHands; ++which)
         stick_free[which] = !grab.is_grabbing(which) && !lights.is_holding(which) &&
                             hands[which].hit.target != PointerHit::Target::kPanel;
     locomotion.update(state, hands, stick_free, head, dt_s);
@@ -62,7 +62,7 @@ void Interaction::update(HeadsetState& state, const xr::HandInputs& inputs, cons
 
 void Interaction::update_hands(const HeadsetState& state, const xr::HandInputs& inputs, double dt_s) {
     const xr::Pose world = xr::world_from_tracking(state.rig);
-    for (int which = 0; which < xr::kHands; which++) {
+    for (int which = 0; which < xr::kHands; ++which) {
         Hand& hand = hands[which];
         hand.input = inputs[state.hand_of(which)];
         note_used_buttons(which);
@@ -122,7 +122,7 @@ void Interaction::update_panel(HeadsetState& state, const xr::Pose& head) {
 void Interaction::move_panel(const HeadsetState& state) {
     if (panel_grab_ && !hands[panel_grab_->hand].grab.is_down()) panel_grab_.reset();
     if (!panel || state.panel_on_wrist) return panel_grab_.reset();
-    for (int which = 0; which < xr::kHands; which++) {
+    for (int which = 0; which < xr::kHands; ++which) {
         Hand& hand = hands[which];
         if (panel_grab_ || !hand.aim || !hand.grab.pressed()) continue;
         if (!xr::rectangle_hit(xr::ray_of(*hand.aim), panel->world_from_panel, panel->size_m)) continue;
@@ -206,7 +206,7 @@ void Interaction::step_through(HeadsetState& state, Hand& hand) {
 }
 
 void Interaction::select(HeadsetState& state) {
-    for (int which = 0; which < xr::kHands; which++) {
+    for (int which = 0; which < xr::kHands; ++which) {
         Hand& hand = hands[which];
         if (!hand.select.is_down() && std::exchange(hand.deselect_on_release, false) && !hand.long_press)
             state.editor.select({});

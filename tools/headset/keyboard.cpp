@@ -28,7 +28,7 @@ void key_line(Rows& rows, const char* keys, bool shift) {
     const float one = column_width(10), gap = ImGui::GetStyle().ItemSpacing.x;
     const auto count = static_cast<float>(std::char_traits<char>::length(keys));
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + 0.5f * (10 - count) * (one + gap));
-    for (const char* key = keys; *key; key++) {
+    for (const char* key = keys; *key; ++key) {
         if (key != keys) ImGui::SameLine();
         const char letter = shift && *key >= 'a' && *key <= 'z' ? static_cast<char>(*key - 'a' + 'A') : *key;
         const char name[] = {'k', 'e', 'y', ' ', *key, 0}, label[] = {letter, 0};

@@ -15,7 +15,7 @@ ImWchar take_letter(std::string_view& text) {
     const size_t bytes = first < 0x80 ? 1 : first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : first >= 0xc0 ? 2 : 1;
     uint32_t letter = bytes == 1 ? first : first & (0x7fu >> bytes);
     bool is_letter = bytes <= text.size() && !(bytes == 1 && first >= 0x80);
-    for (size_t i = 1; i < bytes && is_letter; i++) {
+    for (size_t i = 1; i < bytes && is_letter; ++i) {
         const auto next = static_cast<unsigned char>(text[i]);
         is_letter = (next & 0xc0) == 0x80;
         letter = letter << 6 | (next & 0x3f);
@@ -28,7 +28,7 @@ ImWchar take_letter(std::string_view& text) {
 template <typename Each>
 double lay_out(const ImFont& font, std::string_view line, const Each& each) {
     double x = 0;
-    for (int letters = 0; !line.empty(); letters++) {
+    for (int letters = 0; !line.empty(); ++letters) {
         const bool is_last = letters == LabelFont::kMaxLetters - 1;
         ImWchar letter = take_letter(line);
         if (is_last && !line.empty()) letter = 0x2026;  // …
@@ -72,7 +72,7 @@ void LabelFont::draw(xr::EyeShapes& shapes, const xr::Pose& world_from_plate, do
     const glm::dvec2 half(0.5 * width * metres, 0);
     const double top = line_m * static_cast<double>(lines.size()) + 2 * margin;
     shapes.text(world_from_plate, -half - glm::dvec2(margin, 0), half + glm::dvec2(margin, top), plate_, kPlate);
-    for (size_t i = 0; i < lines.size(); i++) {
+    for (size_t i = 0; i < lines.size(); ++i) {
         const double line_top = top - margin - line_m * static_cast<double>(i);
         lay_out(*font_, lines[i], [&](const ImFontGlyph& glyph, double x) {
             if (!glyph.Visible) return;

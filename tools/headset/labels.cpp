@@ -39,7 +39,7 @@ static_assert(std::size(kUses) + 2 <= std::tuple_size_v<decltype(ShownHints::lin
 
 ButtonHints make_hints(const xr::Actions& actions, const HeadsetState& state) {
     ButtonHints hints;
-    for (int role = 0; role < xr::kHands; role++)
+    for (int role = 0; role < xr::kHands; ++role)
         hints[role] = hints_of(role, [&](xr::HandAction action, int of_role) {
             return actions.button_name(action, state.hand_of(of_role));
         });
@@ -103,7 +103,7 @@ xr::Pose hint_plate(const Hand& hand, const xr::Pose& world_head, double outward
 
 void draw_hints(xr::EyeShapes& shapes, const LabelFont& font, const HeadsetState& state, const Interaction& interaction,
                 const ButtonHints& hints, const xr::Pose& world_head) {
-    for (int role = 0; role < xr::kHands; role++) {
+    for (int role = 0; role < xr::kHands; ++role) {
         const Hand& hand = interaction.hands[role];
         const auto& grip = hand.grip ? hand.grip : hand.aim;
         const auto [lines, count] = shown_hints(state, interaction, hints, role);
@@ -137,7 +137,7 @@ std::optional<RayLabel> label_of_ray(const HeadsetState& state, const Interactio
 
 void draw_names(xr::EyeShapes& shapes, const LabelFont& font, const HeadsetState& state, const Interaction& interaction,
                 const xr::Pose& world_head) {
-    for (int which = 0; which < xr::kHands; which++) {
+    for (int which = 0; which < xr::kHands; ++which) {
         const Hand& hand = interaction.hands[which];
         const auto label = hand.aim ? label_of_ray(state, interaction, which) : std::nullopt;
         if (!label) continue;

@@ -53,7 +53,7 @@ void LightHands::start_holding(HeadsetState& state, Hand& hand, int which) {
 
 void LightHands::update(HeadsetState& state, Hands& hands, double dt_s) {
     if (state.tool != HandTool::kLights) return release(state);
-    for (int which = 0; which < xr::kHands; which++) {
+    for (int which = 0; which < xr::kHands; ++which) {
         Hand& hand = hands[which];
         const bool lets_go = held_ && held_->hand == which && ends_grab(hand);
         const bool has_aimed = aim_ && aim_->hand == which && !hand.select.is_down();

@@ -48,7 +48,7 @@ void find_free(const HeadsetState& state, glm::dvec3 from, glm::dvec3 at, int bo
     for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
         const std::vector<glm::dvec3> ways = ways_out(state, performer, at);
         if (ways.empty()) continue;
-        for (size_t i = 0; i < ways.size() && boxes > 0; i++) find_free(state, from, ways[i], boxes - 1, best);
+        for (size_t i = 0; i < ways.size() && boxes > 0; ++i) find_free(state, from, ways[i], boxes - 1, best);
         return;
     }
     best = at;

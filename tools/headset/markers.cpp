@@ -25,7 +25,7 @@ glm::dquat looking_along(glm::dvec3 direction) {
 void draw_cone(xr::EyeShapes& shapes, const Marker& marker, glm::dvec2 half_size, int edges, double turn_rad,
                glm::vec4 colour) {
     std::vector<glm::dvec3> rim;
-    for (int i = 0; i <= edges; i++) {
+    for (int i = 0; i <= edges; ++i) {
         const double angle = turn_rad + glm::two_pi<double>() * i / edges;
         const glm::dvec3 at(half_size.x * std::cos(angle), half_size.y * std::sin(angle), -1);
         rim.push_back(marker.world_from_marker * (2.5 * marker.radius_m * at));
@@ -73,11 +73,11 @@ std::vector<Marker> markers_of(const HeadsetState& state) {
         if (away_m > kMarkerFromHead_m)
             markers.push_back({node, index, is_camera, pose, std::max(kMarkerRadius_m, kMarkerRadius_rad * away_m)});
     };
-    for (size_t i = 0; i < state.evaluated.lights.size(); i++) {
+    for (size_t i = 0; i < state.evaluated.lights.size(); ++i) {
         const stage::EvaluatedLight& light = state.evaluated.lights[i];
         add(light.node, i, false, {light.position, looking_along(light.direction)});
     }
-    for (size_t i = 0; i < state.evaluated.cameras.size(); i++) {
+    for (size_t i = 0; i < state.evaluated.cameras.size(); ++i) {
         const glm::dmat4& pose = state.evaluated.cameras[i].world_from_camera;
         add(state.evaluated.cameras[i].node, i, true,
             {glm::dvec3(pose[3]), glm::normalize(glm::quat_cast(glm::dmat3(pose)))});

@@ -31,7 +31,7 @@ glm::mat4 panel_from_clip(const MirroredPanel& panel) {
     const glm::dmat4 clip = render::clip_from_world(panel.camera, render::kSetNear_m);
     glm::dmat3 clip_from_panel;
     const glm::dvec4 columns[] = {clip * right, clip * down, clip * corner};
-    for (int i = 0; i < 3; i++) clip_from_panel[i] = {columns[i].x, columns[i].y, columns[i].w};
+    for (int i = 0; i < 3; ++i) clip_from_panel[i] = {columns[i].x, columns[i].y, columns[i].w};
     return glm::mat4(glm::dmat4(glm::inverse(clip_from_panel)));
 }
 

@@ -57,7 +57,7 @@ void tool_row(Rows& rows) {
     constexpr const char* kNames[] = {"arrange", "paint", "region", "lights", "coach"};
     const std::vector<const char*> labels = {"Arrange", "Paint", "Region", "Lights", "Coach"};
     const std::vector<float> widths = fitted_widths(labels);
-    for (size_t i = 0; i < labels.size(); i++) {
+    for (size_t i = 0; i < labels.size(); ++i) {
         const auto which = static_cast<HandTool>(i);
         if (i > 0) ImGui::SameLine();
         if (!rows.button(kNames[i], labels[i], widths[i], rows.state.tool == which)) continue;
@@ -70,7 +70,7 @@ void page_row(Rows& rows) {
     constexpr const char* kNames[] = {"performer page", "time page", "copies page", "stage page", "user page"};
     const std::vector<const char*> labels = {"Performer", "Time", "Copies", "Stage", "You"};
     const std::vector<float> widths = fitted_widths(labels);
-    for (size_t i = 0; i < labels.size(); i++) {
+    for (size_t i = 0; i < labels.size(); ++i) {
         const auto which = static_cast<PanelPage>(i);
         if (i > 0) ImGui::SameLine();
         if (rows.button(kNames[i], labels[i], widths[i], rows.state.page == which)) rows.state.page = which;

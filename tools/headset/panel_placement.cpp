@@ -50,7 +50,7 @@ std::optional<std::pair<double, double>> seen_between(const xr::Pose& world_head
     const xr::Pose head_from_world = xr::inverse(upright(world_head));
     const glm::dvec3 middle = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
     glm::dvec2 low(1e9), high(-1e9);
-    for (int i = 0; i < 2 * kAround; i++) {
+    for (int i = 0; i < 2 * kAround; ++i) {
         const double around = glm::two_pi<double>() * i / kAround, up = i < kAround ? -1 : 1;
         const glm::dvec3 of_box = middle + half * glm::dvec3(std::cos(around), up, std::sin(around));
         const glm::dvec3 at = head_from_world * glm::dvec3(box.world_from_box * glm::dvec4(of_box, 1));

@@ -35,7 +35,7 @@ void give_life_size(HeadsetState& state) {
     if (refuses_locked(state, node)) return;
     glm::dmat4 world_from_node = state.evaluated.pose.world_from_node[node];
     const glm::dvec3 feet = feet_of(state, *performer), feet_world = world_from_node * glm::dvec4(feet, 1);
-    for (int axis = 0; axis < 3; axis++) {
+    for (int axis = 0; axis < 3; ++axis) {
         const double length = glm::length(glm::dvec3(world_from_node[axis]));
         if (!(length > 0)) return;  // an animation makes it flat at this time
         world_from_node[axis] /= length;
@@ -73,7 +73,7 @@ std::optional<std::pair<glm::dvec3, glm::dvec3>> ensemble_box(const HeadsetState
     for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
         if (!performer.visible) continue;
         const auto [low, high] = editor::box_of(state, performer.performer);
-        for (int corner = 0; corner < 8; corner++) {
+        for (int corner = 0; corner < 8; ++corner) {
             const glm::dvec3 of_box(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
                                     corner & 4 ? high.z : low.z);
             const glm::dvec3 at = user_from_world * glm::dvec3(performer.world_from_performer * glm::dvec4(of_box, 1));

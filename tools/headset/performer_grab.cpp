@@ -27,7 +27,7 @@ void PerformerGrab::start(HeadsetState& state, Hand& hand, int which) {
 }
 
 void PerformerGrab::update(HeadsetState& state, Hands& hands, double dt_s) {
-    for (int which = 0; which < xr::kHands; which++) {
+    for (int which = 0; which < xr::kHands; ++which) {
         Hand& hand = hands[which];
         if (is_grabbing(which) && ends_grab(hand)) {
             if (grab_->is_attached(1 - which))
@@ -42,7 +42,7 @@ void PerformerGrab::update(HeadsetState& state, Hands& hands, double dt_s) {
     }
     if (state.tool != HandTool::kArrange) release(state);  // the user has selected another tool
     if (!grab_) return;
-    for (int which = 0; which < xr::kHands; which++) {
+    for (int which = 0; which < xr::kHands; ++which) {
         if (!is_grabbing(which) || !hands[which].aim) continue;
         grab_->move(which, *hands[which].aim);
         if (const double by_m = pushed_m(hands[which], dt_s); by_m != 0) grab_->push(which, by_m);
@@ -73,7 +73,7 @@ glm::dmat4 PerformerGrab::moved() const {
 // Scaling happens about the grabbed point, not about the performer's feet. So the height of the grabbed point says
 // whether the performer was lifted.
 glm::dmat4 PerformerGrab::snapped(const HeadsetState& state, const glm::dmat4& world_from_node) const {
-    for (uint32_t performer = 0; performer < state.stage->performers.size() && settings.snaps_to_floor; performer++) {
+    for (uint32_t performer = 0; performer < state.stage->performers.size() && settings.snaps_to_floor; ++performer) {
         if (state.stage->performers[performer].node != node_) continue;
         const auto [low, high] = editor::box_of(state, performer);
         const double above = above_floor(world_from_node, low, high, state.floor_m),

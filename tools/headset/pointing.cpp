@@ -62,7 +62,7 @@ void point(Hands& hands, const HeadsetState& state, const std::optional<PanelPla
            const FindSurfaces& find_surfaces, const editor::SetSurface* set) {
     std::vector<Ray> rays;
     std::vector<Hand*> pointing;  // at the stage, by ray
-    for (int which = 0; which < xr::kHands; which++) {
+    for (int which = 0; which < xr::kHands; ++which) {
         Hand& hand = hands[which];
         hand.hit = {};
         if (!hand.aim) continue;
@@ -79,7 +79,7 @@ void point(Hands& hands, const HeadsetState& state, const std::optional<PanelPla
     }
     std::vector<std::optional<SurfaceHit>> surfaces(rays.size());
     if (find_surfaces && !rays.empty()) surfaces = find_surfaces(rays);
-    for (size_t i = 0; i < rays.size(); i++) pointing[i]->hit = hit_on_stage(rays[i], state, surfaces[i], set);
+    for (size_t i = 0; i < rays.size(); ++i) pointing[i]->hit = hit_on_stage(rays[i], state, surfaces[i], set);
     for (Hand& hand : hands) feel_change(hand, state);
 }
 

@@ -55,7 +55,7 @@ class Prober {
         session_.begin_frame();
         const xr::HandInputs inputs = actions_.sample(time.display);
         if (session_.has_focus()) {
-            focused_++;
+            ++focused_;
             found_.had_focus = true;
             actions_.update_controllers();
             hands_.locate(time.display);
@@ -71,7 +71,7 @@ class Prober {
             found_.bare_hands[hand] |= !hands_.joints(hand).empty();
         }
         std::vector<std::string> worn;
-        for (size_t i = 0; i < trackers.size(); i++) {
+        for (size_t i = 0; i < trackers.size(); ++i) {
             const std::string role = xr::kTrackerRoles[i].path;
             if (trackers[i]) worn.push_back(role.substr(role.rfind('/') + 1));
         }

@@ -58,7 +58,7 @@ std::string without_node_numbers(std::string notice) {
         if (is_number)
             notice.erase(at, end + 1 - at);
         else
-            at++;
+            ++at;
     }
     return notice;
 }

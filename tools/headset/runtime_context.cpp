@@ -41,7 +41,7 @@ namespace {
 
 void update_clips(HeadsetState& state, RuntimeContext& context) {
     state.leaf_boxes.clear();
-    for (uint32_t clip = 0; clip < state.stage->clips.size(); clip++) {
+    for (uint32_t clip = 0; clip < state.stage->clips.size(); ++clip) {
         state.leaf_boxes.push_back(context.renderer->leaf_box(clip));
         context.clips[state.stage->clips[clip].path] = context.renderer->shared_field(clip);
     }
@@ -171,7 +171,7 @@ std::vector<std::optional<SurfaceHit>> RuntimeContext::find_surfaces(const stage
     if (overlaps) begin();  // for the next call
     picked_rays.assign(rays.begin(), rays.end());
     std::vector<std::optional<SurfaceHit>> hits(rays.size());
-    for (size_t i = 0; i < picked.size(); i++)
+    for (size_t i = 0; i < picked.size(); ++i)
         if (picked[i] && is_shown(evaluated, picked[i]->performer))
             hits[i] = SurfaceHit{picked[i]->performer, picked[i]->distance_m, picked[i]->colour};
     return hits;

@@ -22,7 +22,7 @@ constexpr int32_t kPrefetchedFrames = 2;  // frames whose slices are built befor
 // The times of the next kPrefetchedFrames frames of the stage, while it plays.
 std::vector<double> next_times(const editor::StageClock& clock) {
     std::vector<double> times;
-    for (int32_t n = 1; clock.playing && n <= kPrefetchedFrames; n++) times.push_back(clock.displayed_after_s(n));
+    for (int32_t n = 1; clock.playing && n <= kPrefetchedFrames; ++n) times.push_back(clock.displayed_after_s(n));
     return times;
 }
 
@@ -245,7 +245,7 @@ void handle_events(const xr::SessionEvents& events, Program& program, SessionCon
             if (const std::string controller = session.actions.controller(hand); !controller.empty())
                 print_line(fmt::format("{} hand: {}", hand == xr::kLeft ? "left" : "right", controller));
     }
-    for (uint32_t view = 0; view < session.xr_session.runtime().view_count(); view++)
+    for (uint32_t view = 0; view < session.xr_session.runtime().view_count(); ++view)
         if (events.mask_changed[view]) session.eyes.invalidate_mask(view);
 }
 

@@ -27,7 +27,7 @@ void hidden_rows(Rows& rows) {
     const std::vector<uint32_t> hidden = hidden_performers(rows.state);
     ImGui::TextDisabled(hidden.empty() ? "Nobody is hidden." : "Hidden:");
     const float half = column_width(2);
-    for (size_t i = 0; i < hidden.size(); i++) {
+    for (size_t i = 0; i < hidden.size(); ++i) {
         const std::string& name = rows.state.stage->performers[hidden[i]].name;
         if (i % 2 == 1) ImGui::SameLine();
         ImGui::PushID(static_cast<int>(i));  // performers may have the same name
@@ -67,7 +67,7 @@ void clip_rows(Rows& rows, const xr::Pose& head) {
     if (rows.button("clip cancel", "Cancel", column_width(2))) state.dialogue = PanelDialogue::kNone;
     ImGui::TextDisabled(state.clips.empty() ? "There is no clip beside the stage." : "Who is to stand before you?");
     const float half = column_width(2);
-    for (size_t i = 0; i < state.clips.size(); i++) {
+    for (size_t i = 0; i < state.clips.size(); ++i) {
         if (i % 2 == 1) ImGui::SameLine();
         const std::string name = state.clips[i].filename().string();
         ImGui::PushID(static_cast<int>(i));  // clips of different folders may have the same name
@@ -98,7 +98,7 @@ void file_rows(Rows& rows) {
     ImGui::TextDisabled("%s", state.folder.filename().string().c_str());
     const float half = column_width(2);
     const std::vector<FolderEntry> entries = entries_of(state.folder);
-    for (size_t i = 0; i < entries.size(); i++) {
+    for (size_t i = 0; i < entries.size(); ++i) {
         if (i % 2 == 1) ImGui::SameLine();
         const std::string name = entries[i].path.filename().string() + (entries[i].is_folder ? "/" : "");
         if (!rows.button(fmt::format("file {}", name).c_str(), name.c_str(), half)) continue;

@@ -46,7 +46,7 @@ glm::dvec3 ahead_of(double yaw_rad) {
 std::optional<glm::dvec3> place_along(const HeadsetState& state, glm::dvec3 at, glm::dvec3 ahead) {
     constexpr int kSteps = 256;
     double last_m = INFINITY;
-    for (int i = 0; i < kSteps; i++) {
+    for (int i = 0; i < kSteps; ++i) {
         const double away_m = nearest_performer(state, at).away_m;
         if (away_m >= kNearest_m && away_m <= kFarthest_m) return at;
         if (away_m > kFarthest_m && away_m >= last_m) return std::nullopt;  // it has gone past them all
@@ -67,7 +67,7 @@ StandingPlace place_of_camera(const HeadsetState& state) {
     glm::dvec3 lowest(INFINITY), highest(-INFINITY);
     for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
         const auto [low, high] = editor::box_of(state, performer.performer);
-        for (int corner = 0; corner < 8 && performer.visible; corner++) {
+        for (int corner = 0; corner < 8 && performer.visible; ++corner) {
             const glm::dvec3 of_box(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
                                     corner & 4 ? high.z : low.z);
             const glm::dvec3 at = performer.world_from_performer * glm::dvec4(of_box, 1);

@@ -56,7 +56,7 @@ Layer projected_on_each(editor::PaintSession session, editor::PaintSurface& surf
     if (first > last) return nullptr;
     std::optional<Progress> progress;
     if (with_progress) progress.emplace("project", last - first + 1);
-    for (uint32_t done = 1, more = 1; more; done++) {
+    for (uint32_t done = 1, more = 1; more; ++done) {
         if (stop_requested()) throw RuntimeFailure("stopped before the end");
         more = session.add_projection(surface);
         if (progress) progress->update(done);

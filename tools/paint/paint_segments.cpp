@@ -67,7 +67,7 @@ void SegmentPainter::begin_segment() {
 
 bool SegmentPainter::paint_each() {
     bool painted = false;
-    for (uint32_t number = 0; number < count(); number++) {
+    for (uint32_t number = 0; number < count(); ++number) {
         begin_segment();
         const edit::EditFrames frames = editor::frames_in(frames_, scene_.index.segments[number]);
         if (frames.first > frames.last) continue;
@@ -112,7 +112,7 @@ bool paint_segments(const PaintedScene& scene, const PaintOptions& options, cons
 
 std::vector<uint32_t> painted_segments(const PaintedScene& scene, const PaintOptions& options) {
     std::vector<uint32_t> numbers;
-    for (uint32_t i = 0; i < scene.index.segments.size(); i++)
+    for (uint32_t i = 0; i < scene.index.segments.size(); ++i)
         if (!scene.is_segmented() ||
             std::filesystem::exists(voctree::paint_file(options.layer, scene.index.segments[i])))
             numbers.push_back(i);
@@ -127,7 +127,7 @@ void LayerTotals::add(const voctree::EditLayer& layer) {
         densities += edit.sigma > 0;
         erased += edit.sigma == 0;
     }
-    segments++;
+    ++segments;
     edits += layer.edits.size();
     leaves += painted.size();
     field_leaves += layer.field.leaf_count;

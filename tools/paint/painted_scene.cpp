@@ -41,7 +41,7 @@ StagedPerformer find_on_stage(const PaintOptions& options, PaintedScene::Use use
     staged.stage = stage::load_stage(options.scene);
     staged.index = find_performer(staged.stage, "--node", options.node);
     const std::vector<stage::PaintLayer>& list = staged.performer().settings.paint;
-    while (staged.layer < list.size() && !is_painted(staged.stage, list[staged.layer], options.layer)) staged.layer++;
+    while (staged.layer < list.size() && !is_painted(staged.stage, list[staged.layer], options.layer)) ++staged.layer;
     if (staged.layer == list.size() && use == PaintedScene::Use::kPaint) {
         prepare_output_file("scene", options.scene);
         stage::StageFile file = staged.stage.file;

@@ -50,7 +50,7 @@ stream::Steps steps_of(int strength) {
     constexpr std::array<double, stream::kKinds> kSteps = {0.22, 0.066, 0.145, 0.145, 0.085, 0.185};
     const double scale = std::exp2((strength - kUsualSteps) / 4.0);
     stream::Steps steps{};
-    for (size_t i = 0; i < steps.size(); i++)
+    for (size_t i = 0; i < steps.size(); ++i)
         steps[i] = static_cast<uint16_t>(std::clamp(std::lround(kSteps[i] * scale * stream::kUnit), 1l, 65535l));
     return steps;
 }
@@ -77,7 +77,7 @@ std::vector<stream::FrameSymbols> encode_group(const std::vector<stream::Slice>&
     std::vector<stream::FrameSymbols> frames;
     stream::Slice decoded, before;
     uint32_t of_key = 0;  // frames since the last key frame, with that one
-    for (size_t i = 0; i < slices.size(); i++) {
+    for (size_t i = 0; i < slices.size(); ++i) {
         before = std::move(decoded);
         std::optional<stream::FrameBefore> frame_before;
         if (i > 0) frame_before.emplace(stream::FrameBefore{slices[i - 1], before});
@@ -132,13 +132,13 @@ int Publisher::strength_for_quality(const voctree::VOctree& tree, std::span<cons
     views.round_frames();
     const std::vector<media::Image> truth = views.render(tree, paint);
     std::vector<stream::Slice> slices;
-    for (size_t i = 0; i < views.count(); i++)
+    for (size_t i = 0; i < views.count(); ++i)
         slices.push_back(voctree::slice_of(tree, static_cast<uint32_t>(views.frame_of(i)), paint));
     double last = 0, kept = 0;
     const auto strength = largest_strength([&](int one) {
         expect_to_go_on();
         last = 99;
-        for (size_t i = 0; i < slices.size(); i++) {
+        for (size_t i = 0; i < slices.size(); ++i) {
             stream::Slice decoded;
             stream::encode(slices[i], steps_of(one), {}, decoded);
             const media::Image image =
@@ -174,7 +174,7 @@ void Publisher::publish_segment(const voctree::ClipSegment& segment, stream::Wri
     int strength = options_.rate_mbps ? 0 : strength_for_quality(tree, paint.steps, segment.file);
     for (uint32_t first = 0; first < segment.frames; first += group_frames_) {
         std::vector<stream::Slice> slices;
-        for (uint32_t i = first; i < std::min(first + group_frames_, segment.frames); i++) {
+        for (uint32_t i = first; i < std::min(first + group_frames_, segment.frames); ++i) {
             expect_to_go_on();
             slices.push_back(voctree::slice_of(tree, i, paint.steps));
         }
@@ -183,7 +183,7 @@ void Publisher::publish_segment(const voctree::ClipSegment& segment, stream::Wri
         group.format = {slices[0].depth, slices[0].degree, 0};
         for (const stream::Slice& slice : slices)
             group.format.most_leaves = std::max(group.format.most_leaves, static_cast<uint32_t>(slice.leaves.size()));
-        for (int axis = 0; axis < 3; axis++) {
+        for (int axis = 0; axis < 3; ++axis) {
             group.box_min[static_cast<size_t>(axis)] = tree.box_min[axis];
             group.box_size[static_cast<size_t>(axis)] = tree.box_size[axis];
         }

@@ -15,7 +15,7 @@ namespace {
 
 render::LayerFolders visible_layers(const stage::Stage& stage, const stage::StagePerformer& performer) {
     render::LayerFolders layers;
-    for (size_t i = 0; i < performer.settings.paint.size(); i++) {
+    for (size_t i = 0; i < performer.settings.paint.size(); ++i) {
         const stage::PaintLayer& layer = performer.settings.paint[i];
         if (!layer.visible || layer.opacity <= 0) continue;
         const std::string place = fmt::format("\"{}\": paint layer {}", performer.name, i);

@@ -20,7 +20,7 @@ constexpr std::array<const char*, stream::kParts> kPartNames = {"shape", "coarse
 std::array<uint64_t, stream::kParts> bytes_of_parts(const stream::Index& index) {
     std::array<uint64_t, stream::kParts> bytes{};
     for (const stream::FrameEntry& frame : index.frames)
-        for (size_t part = 0; part < stream::kParts; part++) bytes[part] += frame.bytes[part];
+        for (size_t part = 0; part < stream::kParts; ++part) bytes[part] += frame.bytes[part];
     return bytes;
 }
 
@@ -32,7 +32,7 @@ void print_stream_info(const std::filesystem::path& path, bool json, bool check)
     const auto frames = static_cast<uint32_t>(index.frames.size());
     if (check) {
         Progress progress("check", frames);
-        for (uint32_t i = 0; i < frames; i++) {
+        for (uint32_t i = 0; i < frames; ++i) {
             reader.frame(i);
             progress.update(i + 1);
         }
@@ -46,7 +46,7 @@ void print_stream_info(const std::filesystem::path& path, bool json, bool check)
     const double seconds = frames / double{index.fps}, mbps = 8e-6 * static_cast<double>(all) / seconds;
     if (json) {
         nlohmann::ordered_json parts;
-        for (size_t part = 0; part < stream::kParts; part++) parts[kPartNames[part]] = bytes[part];
+        for (size_t part = 0; part < stream::kParts; ++part) parts[kPartNames[part]] = bytes[part];
         tell("{}", json_text({{"file", path.string()},
                               {"format", "nvs"},
                               {"bytes", all},
@@ -68,7 +68,7 @@ void print_stream_info(const std::filesystem::path& path, bool json, bool check)
     tell("leaves  {} at most, in cells of {} a side\n", most_leaves, 1u << index.groups[0].format.depth);
     tell("rate    {:.1f} Mbit/s, {:.1f} KB a frame, {:.1f} KB at most\n", mbps,
          1e-3 * static_cast<double>(all) / frames, 1e-3 * static_cast<double>(largest));
-    for (size_t part = 0; part < stream::kParts; part++)
+    for (size_t part = 0; part < stream::kParts; ++part)
         tell("{:<10} {:>8.1f} KB a frame\n", kPartNames[part], 1e-3 * static_cast<double>(bytes[part]) / frames);
     if (check) tell("checked: whole and sound\n");
 }

@@ -39,7 +39,7 @@ struct PaintStack {
 };
 
 std::optional<stage::PaintBlend> find_blend(const std::string& name) {
-    for (size_t i = 0; i < std::size(stage::kPaintBlendNames); i++)
+    for (size_t i = 0; i < std::size(stage::kPaintBlendNames); ++i)
         if (name == stage::kPaintBlendNames[i]) return static_cast<stage::PaintBlend>(i);
     return std::nullopt;
 }
@@ -233,7 +233,7 @@ class PlayingRenderer {
         if (stack.layers.empty())
             return render::load_segment_paint(device_, stack.names, plan_.clip.segments[segment], field);
         std::vector<render::PaintUse> uses;
-        for (size_t i = 0; i < stack.layers.size(); i++)
+        for (size_t i = 0; i < stack.layers.size(); ++i)
             uses.push_back({&stack.layers[i], stack.names[i].blend, stack.names[i].opacity});
         return std::make_shared<const render::Paint>(device_, field.leaf_count, uses);
     }
@@ -249,10 +249,10 @@ class PlayingRenderer {
         std::erase_if(paints_, [&](const auto& one) { return !segments_.holds(one.first); });
         for (auto& [segment, paint] : paints_) {
             bool is_shown = false;
-            for (uint32_t i = 0; i < fields.size(); i++) is_shown |= segments_.segment_of(i) == segment;
+            for (uint32_t i = 0; i < fields.size(); ++i) is_shown |= segments_.segment_of(i) == segment;
             if (!is_shown) paint.number = 0;  // the renderer has dropped it with the field
         }
-        for (uint32_t i = 0; i < fields.size(); i++) {
+        for (uint32_t i = 0; i < fields.size(); ++i) {
             NumberedPaint& of_field = paints_[segments_.segment_of(i)];
             if (of_field.paint && of_field.number == 0) of_field.number = renderer_->paints(i).add(of_field.paint);
         }
@@ -332,7 +332,7 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     add_clip_facts(facts, "scene", options.scene);
     facts["--camera"] = options.camera.empty() ? "orbit" : media::content_fact(options.camera);
     facts["--frames"] = fmt::format("{}:{}", plan.playback.range.first, plan.playback.range.last);
-    for (size_t i = 0; i < plan.paint.names.size(); i++)
+    for (size_t i = 0; i < plan.paint.names.size(); ++i)
         add_layer_facts(facts, "--paint " + options.paint[i], plan.paint.names[i].folder);
     if (options.up) facts["--up"] = *options.up == voctree::UpAxis::kY ? "y" : "z";
     facts["--direct"] = fmt::format("{}", options.direct);

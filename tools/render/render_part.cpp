@@ -116,7 +116,7 @@ bool RenderPart::is_there() const {
 
 uint32_t RenderPart::missing() const {
     uint32_t count = 0;
-    for (uint32_t part = 1; part <= number_.parts; part++) count += !can_be_opened(video_of(part));
+    for (uint32_t part = 1; part <= number_.parts; ++part) count += !can_be_opened(video_of(part));
     return count;
 }
 
@@ -126,7 +126,7 @@ void RenderPart::finish_whole() const {
 
 void RenderPart::join() const {
     std::vector<std::filesystem::path> parts;
-    for (uint32_t part = 1; part <= number_.parts; part++) parts.push_back(video_of(part));
+    for (uint32_t part = 1; part <= number_.parts; ++part) parts.push_back(video_of(part));
     const std::filesystem::path joined = folder_of_parts(whole_) / fmt::format("whole-{}{}", facts_hash_, ending());
     media::join_videos(parts, joined, facts_hash_);
     if (finish_) finish_(joined);

@@ -101,7 +101,7 @@ void set_depth_range(const RenderOptions& options, StagePlan& plan) {
     constexpr uint32_t kMaxSamples = 32;
     const uint32_t samples = std::min(kMaxSamples, plan.images);
     double nearest = INFINITY, farthest = 0;
-    for (uint32_t k = 0; k < samples; k++) {
+    for (uint32_t k = 0; k < samples; ++k) {
         const auto i = static_cast<uint32_t>(uint64_t{plan.images} * k / samples);
         const stage::EvaluatedStage evaluated = stage::stage_at(plan.stage, plan.time_s(i));
         const auto [near, far] =

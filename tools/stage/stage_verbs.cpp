@@ -91,7 +91,7 @@ uint32_t find_performer(const stage::Stage& stage, const std::string& option, co
     };
     if (std::any_of(all.begin(), all.end(), is_meant)) {
         const uint32_t index = edit::find_node(stage.file, node);
-        for (uint32_t i = 0; i < all.size(); i++)
+        for (uint32_t i = 0; i < all.size(); ++i)
             if (all[i].node == index) return i;
     }
     throw InputError(option, node, "is no performer of the stage", fix);

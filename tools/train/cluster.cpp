@@ -62,7 +62,7 @@ void expect_one_line(const std::string& what, const std::string& text) {
 
 // The value of an option among words, written "-o x", "--output x" or "--output=x".
 std::optional<std::string> value_of(const std::vector<std::string>& words, const std::vector<std::string>& names) {
-    for (size_t i = 0; i < words.size(); i++)
+    for (size_t i = 0; i < words.size(); ++i)
         for (const std::string& name : names) {
             if (words[i] == name && i + 1 < words.size()) return words[i + 1];
             if (words[i].starts_with(name + "=")) return words[i].substr(name.size() + 1);

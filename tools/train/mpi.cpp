@@ -82,7 +82,7 @@ std::vector<uint64_t> sizes_of(const std::vector<training::Bytes>& messages) {
 
 void put_pieces(const training::Bytes& buffer, const Pieces& pieces, uint64_t begin,
                 std::vector<training::Bytes>& messages) {
-    for (size_t i = 0; i < messages.size(); i++)
+    for (size_t i = 0; i < messages.size(); ++i)
         if (pieces.counts[i] > 0)
             std::copy_n(buffer.begin() + pieces.places[i], pieces.counts[i],
                         messages[i].begin() + static_cast<ptrdiff_t>(begin));
@@ -123,7 +123,7 @@ std::vector<training::Bytes> World::gather(std::span<const uint8_t> own) const {
     std::vector<uint64_t> bytes(size());
     mpi_.allgather(&own_bytes, sizeof(own_bytes), mpi_.byte, bytes.data(), sizeof(own_bytes), mpi_.byte, mpi_.world);
     std::vector<training::Bytes> all(size());
-    for (size_t i = 0; i < all.size(); i++) all[i].resize(bytes[i]);
+    for (size_t i = 0; i < all.size(); ++i) all[i].resize(bytes[i]);
     const uint64_t longest = *std::max_element(bytes.begin(), bytes.end()), piece = kBytesAtOnce / size();
     for (uint64_t begin = 0; begin < longest; begin += piece) gather_piece(own, begin, piece, all);
     return all;
@@ -148,7 +148,7 @@ std::vector<training::Bytes> World::exchange(const std::vector<training::Bytes>&
     const int row = static_cast<int>(sizeof(uint64_t)) * size_;
     mpi_.allgather(own.data(), row, mpi_.byte, sizes.data(), row, mpi_.byte, mpi_.world);
     std::vector<training::Bytes> from(size());
-    for (size_t i = 0; i < from.size(); i++) from[i].resize(sizes[i * size() + rank()]);
+    for (size_t i = 0; i < from.size(); ++i) from[i].resize(sizes[i * size() + rank()]);
     const uint64_t longest = *std::max_element(sizes.begin(), sizes.end()), piece = kBytesAtOnce / size();
     for (uint64_t begin = 0; begin < longest; begin += piece) exchange_piece(to, begin, piece, from);
     return from;
@@ -159,7 +159,7 @@ void World::exchange_piece(const std::vector<training::Bytes>& to, uint64_t begi
                            std::vector<training::Bytes>& from) const {
     const Pieces sent(sizes_of(to), begin, piece), received(sizes_of(from), begin, piece);
     training::Bytes out(static_cast<size_t>(sent.sum)), in(static_cast<size_t>(received.sum));
-    for (size_t i = 0; i < to.size(); i++)
+    for (size_t i = 0; i < to.size(); ++i)
         if (sent.counts[i] > 0)
             std::copy_n(to[i].begin() + static_cast<ptrdiff_t>(begin), sent.counts[i], out.begin() + sent.places[i]);
     mpi_.alltoallv(out.data(), sent.counts.data(), sent.places.data(), mpi_.byte, in.data(), received.counts.data(),

@@ -61,7 +61,7 @@ std::string colour_text(const training::CameraColours& colours, size_t camera) {
 void print_colours(const training::CameraColours& colours, const std::vector<training::RigCamera>& cameras) {
     if (colours.empty()) return;
     bool agree = true;
-    for (size_t i = 0; i < colours.cameras(); i++) {
+    for (size_t i = 0; i < colours.cameras(); ++i) {
         const std::string text = colour_text(colours, i);
         if (!text.empty()) tell("camera {}: {}\n", cameras[i].name, text.substr(2));
         agree &= text.empty();
@@ -74,7 +74,7 @@ constexpr double kStillPixels = 0.25;  // poses that move images less are not wo
 void print_poses(const std::vector<training::RefinedPose>& poses, const std::vector<training::RigCamera>& cameras) {
     if (poses.empty()) return;
     bool still = true;
-    for (size_t i = 0; i < poses.size(); i++) {
+    for (size_t i = 0; i < poses.size(); ++i) {
         const training::PoseChange& change = poses[i].change;
         if (poses[i].motion_px < kStillPixels && !poses[i].at_bound) continue;
         const glm::dvec3 turn(change[training::kTurnX], change[training::kTurnY], change[training::kTurnZ]);
@@ -94,7 +94,7 @@ void print_times(const std::vector<double>& frames_late, const std::vector<train
     if (frames_late.empty()) return;
     const std::vector<bool> out = training::left_out({{}, frames_late});
     bool agree = true;
-    for (size_t i = 0; i < frames_late.size(); i++) {
+    for (size_t i = 0; i < frames_late.size(); ++i) {
         const auto whole = static_cast<int>(std::lround(frames_late[i]));
         const bool between = training::is_between_frames(frames_late[i]);
         if (whole == 0 && !between) continue;
@@ -173,7 +173,7 @@ bool correct_rig(const gpu::Device& device, const training::Dataset& dataset, co
     settings.refine = what.colour;
     if (found && what.poses) settings.rig.poses = found->changes.poses;
     if (found && what.time)
-        for (size_t i = 0; i < dataset.cameras.size(); i++)
+        for (size_t i = 0; i < dataset.cameras.size(); ++i)
             settings.rig.frames_late.push_back(training::is_late(*found, i) ? found->changes.frames_late[i] : 0);
     if (settings.steps == 0) {
         if (settings.minutes == 0) settings.minutes = training::kDefaultMinutes;
@@ -204,7 +204,7 @@ void print_findings(const training::RigFindings& findings, const std::vector<tra
     const training::CameraColours& colours = findings.colours;
     tell("{:<14} {:>6} {:>7} {:>8} {:>8} {:>7}  {:<17} {:>8} {:>7}  {}\n", "camera", "dB", "off px", "turned",
          "shifted", "focal", "gains R G B", "exposure", "corner", "late, frames");
-    for (size_t i = 0; i < cameras.size(); i++) {
+    for (size_t i = 0; i < cameras.size(); ++i) {
         const training::PoseChange& change = findings.changes.poses[i];
         const glm::dvec3 turn(change[training::kTurnX], change[training::kTurnY], change[training::kTurnZ]);
         const glm::dvec3 shift(change[training::kShiftX], change[training::kShiftY], change[training::kShiftZ]);
@@ -239,7 +239,7 @@ std::vector<Column> columns_of(const training::RigFindings& findings) {
                                 {"EXPOSURE 0-20", {}, 0.2, training::kWorthExposure},
                                 {"CORNERS 0-40", {}, 0.4, training::kWorthVignetting},
                                 {"LATE 0-1 FRAME", {}, 1, training::kWorthFrames}};
-    for (size_t i = 0; i < findings.motion_px.size(); i++) {
+    for (size_t i = 0; i < findings.motion_px.size(); ++i) {
         columns[0].values.push_back(findings.motion_px[i]);
         columns[1].values.push_back(training::largest_gain_error(findings.colours, i));
         columns[2].values.push_back(training::exposure_error(findings.colours, i));
@@ -251,8 +251,8 @@ std::vector<Column> columns_of(const training::RigFindings& findings) {
 }
 
 void fill(media::Image& image, int left, int top, int width, int height, const Colour& colour) {
-    for (int y = top; y < top + height; y++)
-        for (int x = left; x < left + width; x++) set_pixel(image, x, y, colour);
+    for (int y = top; y < top + height; ++y)
+        for (int x = left; x < left + width; ++x) set_pixel(image, x, y, colour);
 }
 
 }  // namespace
@@ -263,13 +263,13 @@ media::Image draw_findings(const training::RigFindings& findings, const std::vec
                        static_cast<uint32_t>(kTop + kRow * static_cast<int>(cameras.size()) + 8));
     for (size_t i = 3; i < image.rgba.size(); i += 4) image.rgba[i] = 255;
     fill(image, 0, 0, static_cast<int>(image.width), static_cast<int>(image.height), kPaper);
-    for (size_t camera = 0; camera < cameras.size(); camera++)
+    for (size_t camera = 0; camera < cameras.size(); ++camera)
         draw_text(image, 6, kTop + kRow * static_cast<int>(camera) + 3, cameras[camera].name.substr(0, 14), kInk);
-    for (size_t c = 0; c < columns.size(); c++) {
+    for (size_t c = 0; c < columns.size(); ++c) {
         const Column& column = columns[c];
         const int left = kNames + kColumn * static_cast<int>(c);
         draw_text(image, left, 10, column.title, kInk);
-        for (size_t camera = 0; camera < cameras.size(); camera++) {
+        for (size_t camera = 0; camera < cameras.size(); ++camera) {
             const double value = std::clamp(column.values[camera] / column.longest, 0.0, 1.0);
             fill(image, left, kTop + kRow * static_cast<int>(camera) + 2, static_cast<int>(kBar * value), kRow - 6,
                  column.values[camera] > column.worth ? kOff : kCalm);

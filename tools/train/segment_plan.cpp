@@ -49,7 +49,7 @@ uint64_t share_of(uint64_t steps, double share) {
 // find by their times.
 void expect_even_times(const training::Rig& rig, const std::vector<double>& times) {
     const auto frames = static_cast<uint32_t>(times.size());
-    for (uint32_t frame = 0; frame < frames && frames > 1; frame++)
+    for (uint32_t frame = 0; frame < frames && frames > 1; ++frame)
         if (const double at = training::frame_of_time(times[frame], frames); at != frame)
             throw InputError("--segment", rig.file,
                              fmt::format("its {} times are not even: {} is that of frame {:.2f}, not {}", frames,

@@ -111,7 +111,7 @@ bool SegmentedRun::is_finished(size_t segment) {
 
 std::vector<size_t> SegmentedRun::unfinished() {
     std::vector<size_t> segments;
-    for (size_t i = 0; i < segments_.size(); i++)
+    for (size_t i = 0; i < segments_.size(); ++i)
         if (!failed_.contains(i) && !is_finished(i)) segments.push_back(i);
     return segments;
 }
@@ -119,7 +119,7 @@ std::vector<size_t> SegmentedRun::unfinished() {
 double SegmentedRun::fraction_of_all(size_t own, double own_fraction) {
     if (seconds_now() - looked_at_ > kLookAround_s) {
         others_fraction_ = 0;
-        for (size_t i = 0; i < segments_.size(); i++) {
+        for (size_t i = 0; i < segments_.size(); ++i) {
             if (i == own) continue;
             const double share = budget_share(segments_[i], learnt_frames_);
             if (is_finished(i))

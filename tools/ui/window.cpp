@@ -37,7 +37,7 @@ int printed_key(int key, int scancode) {
 bool is_on_a_monitor(const WindowGeometry& geometry) {
     int count = 0;
     GLFWmonitor** monitors = glfwGetMonitors(&count);
-    for (int i = 0; i < count && geometry.at; i++) {
+    for (int i = 0; i < count && geometry.at; ++i) {
         int x = 0, y = 0, width = 0, height = 0;
         glfwGetMonitorWorkarea(monitors[i], &x, &y, &width, &height);
         const int middle = geometry.at->first + geometry.width / 2, top = geometry.at->second;
@@ -220,7 +220,7 @@ bool Window::take(const Event& event) {
         case Event::Kind::kScroll:
             scroll_x_ += event.x;
             scroll_y_ += event.y;
-            scrolls_++;
+            ++scrolls_;
             break;
         case Event::Kind::kKey:
             if (event.code < 0 || event.code >= kKeys) break;
@@ -248,7 +248,7 @@ bool Window::take(const Event& event) {
 void Window::feed_imgui() const {
     ImGuiIO& io = ImGui::GetIO();
     io.MousePos = ImVec2(static_cast<float>(x_), static_cast<float>(y_));
-    for (int i = 0; i < kButtons; i++) io.MouseDown[i] = buttons_[i];
+    for (int i = 0; i < kButtons; ++i) io.MouseDown[i] = buttons_[i];
     io.MouseWheelH += static_cast<float>(scroll_x_);
     io.MouseWheel += static_cast<float>(scroll_y_);
     std::copy(std::begin(keys_), std::end(keys_), std::begin(io.KeysDown));

@@ -106,7 +106,7 @@ void Export::draw_block(editor::OnDevice& on_device) {
     settings.far_levels = settings_.far_levels;
     if (!settings_.with_background) settings.resolve.background = glm::vec4(0);
     const media::Image drawn = on_device.renderer.frames().render(block.camera, settings);
-    for (uint32_t y = 0; y < drawn.height; y++)
+    for (uint32_t y = 0; y < drawn.height; ++y)
         std::memcpy(image_.at(block.left, block.top + y), drawn.at(0, y), size_t{4} * drawn.width);
 }
 
@@ -114,7 +114,7 @@ void Export::finish_image() {
     sink_->add(finished_, image_);
     block_ = 0;
     if (finished_ + 1 == settings_.images) sink_->finish(settings_.images);
-    finished_++;
+    ++finished_;
 }
 
 }  // namespace neuvv::viewer

@@ -58,7 +58,7 @@ Screen::~Screen() {
 void Screen::make_framebuffers() {
     for (VkFramebuffer framebuffer : framebuffers_) vkDestroyFramebuffer(device_.handle(), framebuffer, nullptr);
     framebuffers_.clear();
-    for (uint32_t i = 0; i < swapchain_.image_count(); i++)
+    for (uint32_t i = 0; i < swapchain_.image_count(); ++i)
         framebuffers_.push_back(ui::make_framebuffer(device_, *drawing_, swapchain_.view(i), swapchain_.extent()));
 }
 

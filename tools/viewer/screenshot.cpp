@@ -17,7 +17,7 @@ namespace {
 std::filesystem::path free_name(const std::filesystem::path& folder) {
     const std::string time = fmt::format("{:%Y-%m-%d_%H-%M-%S}", fmt::localtime(std::time(nullptr)));
     std::filesystem::path path = folder / fmt::format("neuvv_{}.png", time);
-    for (int i = 2; std::filesystem::exists(path); i++) path = folder / fmt::format("neuvv_{}_{}.png", time, i);
+    for (int i = 2; std::filesystem::exists(path); ++i) path = folder / fmt::format("neuvv_{}_{}.png", time, i);
     return path;
 }
 

@@ -27,7 +27,7 @@ editor::ViewRequest requested_view(const FrameInput& input, const ViewState& sta
     // Where the device is too slow to draw every frame, it is not known which times will be displayed next.
     const bool keeps_pace = input.rendered.displayed.milliseconds * clock.fps() * std::abs(clock.speed) < 1000;
     if (clock.playing && keeps_pace)
-        for (int32_t i = 1; i <= 2; i++) view.next_s.push_back(clock.displayed_after_s(i));
+        for (int32_t i = 1; i <= 2; ++i) view.next_s.push_back(clock.displayed_after_s(i));
     return view;
 }
 

@@ -115,7 +115,7 @@ Viewer::Viewer(const Options& options, const std::string& device)
     for (const auto& [name, on] : switches(view_))
         if (const auto kept = preferences_.panels.find(name); kept != preferences_.panels.end())
             *on = kept->second.open;
-    for (size_t i = 0; i < std::size(kLayerNames); i++)
+    for (size_t i = 0; i < std::size(kLayerNames); ++i)
         if (preferences_.layer == kLayerNames[i]) view_.image.show = static_cast<render::Show>(i);
     if (!preferences_message_.empty()) editor_.notify(preferences_message_, true);
     if (!options.trainee.empty()) coaching_.begin_with_stage(options.trainee);
@@ -194,7 +194,7 @@ void Viewer::recover_device(std::string why) {
     render_thread_.restart();
     requests_.reload_document = true;
     if (view_request_) {
-        view_request_->id++;
+        ++view_request_->id;
         render_thread_.request(*view_request_);
     }
     editor_.notify("the device was lost, and has been made anew", true);

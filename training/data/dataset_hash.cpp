@@ -18,7 +18,7 @@ uint64_t hash_of(const Dataset& dataset) {
     };
     const auto add_number = [&](double value) { add(std::bit_cast<uint64_t>(value)); };
     for (const stage::Camera& camera : dataset.cameras) {
-        for (int i = 0; i < 12; i++) add_number(camera.world_from_camera[i / 3][i % 3]);
+        for (int i = 0; i < 12; ++i) add_number(camera.world_from_camera[i / 3][i % 3]);
         for (const double number : {camera.fx, camera.fy, camera.cx, camera.cy}) add_number(number);
     }
     for (const View& view : dataset.views) {

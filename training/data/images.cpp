@@ -251,7 +251,7 @@ Dataset read_images(const Rig& rig, const LoadOptions& options) {
     dataset.fps = rig.fps;
     dataset.times = times_of(rig);
     std::vector<std::vector<uint32_t>> shots(rig.cameras.size());  // indices into rig.shots by camera
-    for (uint32_t i = 0; i < rig.shots.size(); i++) shots[rig.shots[i].camera].push_back(i);
+    for (uint32_t i = 0; i < rig.shots.size(); ++i) shots[rig.shots[i].camera].push_back(i);
     dataset.cameras = cameras_of(rig);
     dataset.spool = make_spool(rig, dataset.cameras, options);
     for (const Shot& shot : rig.shots)

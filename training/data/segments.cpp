@@ -16,7 +16,7 @@ std::vector<double> times_of(const Rig& rig) {
 std::vector<uint32_t> segment_lengths(uint32_t frames, uint32_t longest) {
     const uint32_t segments = (frames + longest - 1) / longest;
     std::vector<uint32_t> lengths;
-    for (uint32_t i = 0; i < segments; i++)
+    for (uint32_t i = 0; i < segments; ++i)
         lengths.push_back(static_cast<uint32_t>(uint64_t{i + 1} * frames / segments - uint64_t{i} * frames / segments));
     return lengths;
 }

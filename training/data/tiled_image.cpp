@@ -12,8 +12,8 @@ void TiledImage::store(const media::Image& image) {
     for (uint32_t top = 0; top < height_; top += kSide)
         for (uint32_t left = 0; left < width_; left += kSide) {
             if (!has_tile(left / kSide, top / kSide)) continue;
-            for (uint32_t y = 0; y < std::min(kSide, height_ - top); y++)
-                for (uint32_t x = 0; x < std::min(kSide, width_ - left); x++) {
+            for (uint32_t y = 0; y < std::min(kSide, height_ - top); ++y)
+                for (uint32_t x = 0; x < std::min(kSide, width_ - left); ++x) {
                     const uint8_t* from = image.at(left + x, top + y);
                     if (from[3] > 0) std::copy_n(from, 4, to + size_t{4} * (y * kSide + x));
                 }
@@ -23,8 +23,8 @@ void TiledImage::store(const media::Image& image) {
 
 void TiledImage::find_tiles(const media::Image& image) {
     groups_.assign(group_count(width_, height_), {});
-    for (uint32_t y = 0; y < height_; y++)
-        for (uint32_t x = 0; x < width_; x++) {
+    for (uint32_t y = 0; y < height_; ++y)
+        for (uint32_t x = 0; x < width_; ++x) {
             if (image.at(x, y)[3] == 0) continue;
             const size_t tile = size_t{y / kSide} * tiles_across() + x / kSide;
             groups_[tile / 64].kept |= uint64_t{1} << tile % 64;

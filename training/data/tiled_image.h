@@ -57,8 +57,8 @@ class TiledImage {
         for (uint32_t top = 0; top < height_; top += kSide)
             for (uint32_t left = 0; left < width_; left += kSide) {
                 if (!has_tile(left / kSide, top / kSide)) continue;
-                for (uint32_t y = 0; y < std::min(kSide, height_ - top); y++)
-                    for (uint32_t x = 0; x < std::min(kSide, width_ - left); x++)
+                for (uint32_t y = 0; y < std::min(kSide, height_ - top); ++y)
+                    for (uint32_t x = 0; x < std::min(kSide, width_ - left); ++x)
                         visit(left + x, top + y, tile + size_t{4} * (y * kSide + x));
                 tile += kTileBytes;
             }

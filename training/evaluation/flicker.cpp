@@ -37,7 +37,7 @@ void FlickerMeter::add(size_t camera, size_t frame, const media::Image& truth, c
             const uint8_t *before = &last->truth.rgba[at], *after = &truth.rgba[at];
             if (is_white(before) && is_white(after)) continue;  // not the performer
             const bool still = std::equal(before, before + 3, after);
-            for (size_t c = at; c < at + 3; c++) {
+            for (size_t c = at; c < at + 3; ++c) {
                 const int change = render.rgba[c] - last->render.rgba[c];
                 const int wrong = std::abs(change - (truth.rgba[c] - last->truth.rgba[c]));
                 (still ? sums.still : sums.moving) += wrong;
@@ -59,7 +59,7 @@ std::optional<FlickerLevels> FlickerMeter::step(size_t i) const {
 
 std::optional<FlickerMeter::Summary> FlickerMeter::summary(const std::vector<size_t>& cuts) const {
     std::vector<FlickerLevels> at_cuts, elsewhere;
-    for (size_t i = 0; i < steps_.size(); i++)
+    for (size_t i = 0; i < steps_.size(); ++i)
         if (const std::optional<FlickerLevels> levels = step(i))
             (std::binary_search(cuts.begin(), cuts.end(), i) ? at_cuts : elsewhere).push_back(*levels);
     if (elsewhere.empty()) return std::nullopt;

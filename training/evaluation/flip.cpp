@@ -44,7 +44,7 @@ glm::vec3 rgb_from_opponent(glm::vec3 c) {
 glm::vec3 hunt_lab(glm::vec3 rgb) {
     glm::vec3 c = kRelativeXyzFromRgb * rgb;
     constexpr float kDelta = 6.0f / 29;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; ++i)
         c[i] = c[i] > kDelta * kDelta * kDelta ? std::cbrt(c[i]) : c[i] / (3 * kDelta * kDelta) + 4.0f / 29;
     const float lightness = 116 * c.y - 16;
     return {lightness, 0.01f * lightness * 500 * (c.x - c.y), 0.01f * lightness * 200 * (c.y - c.z)};
@@ -66,7 +66,7 @@ struct Plane {
 
 void for_each_row(uint32_t height, const std::function<void(uint32_t y)>& run) {
     parallel_for(height, kRowsAtATime, [&](size_t begin, size_t end) {
-        for (size_t y = begin; y < end; y++) run(static_cast<uint32_t>(y));
+        for (size_t y = begin; y < end; ++y) run(static_cast<uint32_t>(y));
     });
 }
 
@@ -74,7 +74,7 @@ using Kernel = std::vector<float>;  // odd length, centre in the middle
 
 Kernel kernel_of(int radius, const std::function<double(double)>& f) {
     Kernel kernel;
-    for (int i = -radius; i <= radius; i++) kernel.push_back(static_cast<float>(f(i)));
+    for (int i = -radius; i <= radius; ++i) kernel.push_back(static_cast<float>(f(i)));
     return kernel;
 }
 
@@ -82,9 +82,9 @@ Kernel kernel_of(int radius, const std::function<double(double)>& f) {
 void weighted_sum(const Kernel& kernel, const std::vector<const float*>& rows, uint32_t width, float* out) {
     for (uint32_t x = 0; x < width; x += kLanes) {
         float sums[kLanes] = {};
-        for (size_t i = 0; i < kernel.size(); i++) {
+        for (size_t i = 0; i < kernel.size(); ++i) {
             const float *row = rows[i] + x, weight = kernel[i];
-            for (uint32_t lane = 0; lane < kLanes; lane++) sums[lane] += weight * row[lane];
+            for (uint32_t lane = 0; lane < kLanes; ++lane) sums[lane] += weight * row[lane];
         }
         std::copy_n(sums, std::min(kLanes, width - x), out + x);
     }
@@ -99,7 +99,7 @@ Plane along_x(const Plane& in, const Kernel& kernel) {
         std::fill_n(padded.begin(), radius, in.row(y)[0]);
         std::copy_n(in.row(y), in.width, &padded[radius]);
         std::vector<const float*> shifted;
-        for (size_t i = 0; i < kernel.size(); i++) shifted.push_back(&padded[i]);
+        for (size_t i = 0; i < kernel.size(); ++i) shifted.push_back(&padded[i]);
         weighted_sum(kernel, shifted, in.width, out.row(y));
     });
     return out;
@@ -110,7 +110,7 @@ Plane along_y(const Plane& in, const Kernel& kernel) {
     const auto radius = static_cast<int64_t>(kernel.size() / 2);
     for_each_row(in.height, [&](uint32_t y) {
         std::vector<const float*> rows;
-        for (int64_t i = -radius; i <= radius; i++)
+        for (int64_t i = -radius; i <= radius; ++i)
             rows.push_back(in.row(static_cast<uint32_t>(std::clamp<int64_t>(y + i, 0, int64_t{in.height} - 1))));
         weighted_sum(kernel, rows, in.width, out.row(y));
     });
@@ -123,12 +123,12 @@ LabImage opponent_image(const media::Image& image) {
     const Plane empty(image.width, image.height);
     LabImage out{empty, empty, empty};
     for_each_row(image.height, [&](uint32_t y) {
-        for (uint32_t x = 0; x < image.width; x++) {
+        for (uint32_t x = 0; x < image.width; ++x) {
             const uint8_t* rgb = image.at(x, y);
             const glm::vec3 c =
                 opponent_from_rgb({media::linear_from_srgb_byte(rgb[0]), media::linear_from_srgb_byte(rgb[1]),
                                    media::linear_from_srgb_byte(rgb[2])});
-            for (int i = 0; i < 3; i++) out[static_cast<size_t>(i)].row(y)[x] = c[i];
+            for (int i = 0; i < 3; ++i) out[static_cast<size_t>(i)].row(y)[x] = c[i];
         }
     });
     return out;
@@ -155,7 +155,7 @@ Plane blurred(const Plane& in, const std::vector<SensitivityTerm>& terms, double
         const double height = a * std::sqrt(pi / b);
         whole += height * sum * sum;
         const Plane part = along_y(along_x(in, kernel), kernel);
-        for (size_t i = 0; i < out.values.size(); i++) out.values[i] += static_cast<float>(height) * part.values[i];
+        for (size_t i = 0; i < out.values.size(); ++i) out.values[i] += static_cast<float>(height) * part.values[i];
     }
     for (float& value : out.values) value /= static_cast<float>(whole);
     return out;
@@ -167,10 +167,10 @@ LabImage as_seen(const LabImage& opponent, double pixels_per_degree) {
                  blurred(opponent[1], kSensitivities[1], pixels_per_degree),
                  blurred(opponent[2], kSensitivities[2], pixels_per_degree)};
     for_each_row(out[0].height, [&](uint32_t y) {
-        for (uint32_t x = 0; x < out[0].width; x++) {
+        for (uint32_t x = 0; x < out[0].width; ++x) {
             const glm::vec3 c(out[0].row(y)[x], out[1].row(y)[x], out[2].row(y)[x]);
             const glm::vec3 lab = hunt_lab(glm::clamp(rgb_from_opponent(c), 0.0f, 1.0f));
-            for (int i = 0; i < 3; i++) out[static_cast<size_t>(i)].row(y)[x] = lab[i];
+            for (int i = 0; i < 3; ++i) out[static_cast<size_t>(i)].row(y)[x] = lab[i];
         }
     });
     return out;
@@ -190,7 +190,7 @@ struct Features {
 };
 
 Plane lengths(Plane x, const Plane& y) {
-    for (size_t i = 0; i < x.values.size(); i++) x.values[i] = std::hypot(x.values[i], y.values[i]);
+    for (size_t i = 0; i < x.values.size(); ++i) x.values[i] = std::hypot(x.values[i], y.values[i]);
     return x;
 }
 
@@ -231,7 +231,7 @@ std::vector<float> flip(const media::Image& a, const media::Image& b, double pix
     const Features features_b = features(opponent_b[0], pixels_per_degree);
     std::vector<float> result(size_t{a.width} * a.height);
     parallel_for(result.size(), size_t{kRowsAtATime} * a.width, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             const float change = std::max(std::abs(features_a.edges.values[i] - features_b.edges.values[i]),
                                           std::abs(features_a.points.values[i] - features_b.points.values[i]));
             const float feature_error = std::sqrt(std::min(1.0f, change / std::numbers::sqrt2_v<float>));
@@ -254,11 +254,11 @@ media::Image flip_image(const std::vector<float>& errors, uint32_t width, uint32
     assert(errors.size() == size_t{width} * height && "one value a pixel");
     constexpr size_t kLast = std::size(kMagma) - 1;
     media::Image image(width, height);
-    for (size_t i = 0; i < errors.size(); i++) {
+    for (size_t i = 0; i < errors.size(); ++i) {
         const float at = std::clamp(errors[i], 0.0f, 1.0f) * static_cast<float>(kLast);
         const size_t from = std::min(static_cast<size_t>(at), kLast - 1);
         const float share = at - static_cast<float>(from);
-        for (size_t c = 0; c < 3; c++)
+        for (size_t c = 0; c < 3; ++c)
             image.rgba[4 * i + c] = static_cast<uint8_t>(std::lround((1 - share) * static_cast<float>(kMagma[from][c]) +
                                                                      share * static_cast<float>(kMagma[from + 1][c])));
         image.rgba[4 * i + 3] = 255;

@@ -44,8 +44,8 @@ std::vector<uint32_t> network_constants(const PsiShape& shape) {
 void fill_layer(float* matrix, uint32_t inputs, uint32_t real_inputs, uint32_t outputs, double gain,
                 std::mt19937_64& random) {
     const double bound = gain * std::sqrt(6.0 / real_inputs);
-    for (uint32_t k = 0; k < inputs; k++)
-        for (uint32_t o = 0; o < outputs; o++) {
+    for (uint32_t k = 0; k < inputs; ++k)
+        for (uint32_t o = 0; o < outputs; ++o) {
             const double uniform = static_cast<double>(random() >> 11) * 0x1p-53;
             matrix[size_t{k} * outputs + o] = static_cast<float>(bound * (2 * uniform - 1));
         }
@@ -58,7 +58,7 @@ PsiNetwork initial_psi(const PsiShape& shape, glm::vec3 box_min, glm::vec3 box_s
     network.density = 0.5f * kUnitOpticalDepth * network.scale();
     network.parameters.assign(shape.parameter_count(), 0);
     std::mt19937_64 random(seed);
-    for (uint32_t layer = 0; layer < shape.layers; layer++)
+    for (uint32_t layer = 0; layer < shape.layers; ++layer)
         fill_layer(&network.parameters[psi_layer_offset(layer, shape.inputs(), shape.width)],
                    layer == 0 ? shape.inputs() : shape.width, layer == 0 ? 3 + 6 * shape.frequencies : shape.width,
                    shape.width, 1, random);
@@ -213,7 +213,7 @@ void PsiStep::record_psi_weights(uint32_t blocks) {
     const PsiShape& shape = network_.shape;
     {
         const gpu::PassScope scope(commands_, weights_.name());
-        for (uint32_t layer = 0; layer <= shape.layers; layer++) {
+        for (uint32_t layer = 0; layer <= shape.layers; ++layer) {
             PsiWeightsPush push{};
             push.blocks = blocks;
             push.splits = splits_;
@@ -308,7 +308,7 @@ std::vector<float> PsiStep::hidden_at(const std::vector<glm::vec3>& positions_wo
         const size_t count = std::min<size_t>(samples_, positions_world.size() - first);
         const auto blocks = static_cast<uint32_t>((count + kPsiBlock - 1) / kPsiBlock);
         points.assign(size_t{blocks} * kPsiBlock, glm::vec4(0));
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; ++i)
             points[i] = glm::vec4((positions_world[first + i] - network_.centre()) * network_.scale(), 0);
         gpu::upload(device_, points_, points.data(), points.size() * sizeof(glm::vec4));
         gpu::run_once(device_, "psi hidden layer", [&](gpu::Commands& commands) {
@@ -317,8 +317,8 @@ std::vector<float> PsiStep::hidden_at(const std::vector<glm::vec3>& positions_wo
         });
         rows.resize(size_t{blocks} * kPsiBlock * width);
         gpu::download(device_, activations_, rows.data(), rows.size() * sizeof(float));
-        for (size_t i = 0; i < count; i++)
-            for (uint32_t row = 0; row < width; row++)
+        for (size_t i = 0; i < count; ++i)
+            for (uint32_t row = 0; row < width; ++row)
                 result[(first + i) * width + row] = rows[(i / kPsiBlock * width + row) * kPsiBlock + i % kPsiBlock];
     }
     return result;

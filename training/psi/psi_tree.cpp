@@ -25,8 +25,8 @@ struct OutputLayer {
     void operator()(const float* hidden, double* y) const {
         const float* bias = numbers + size_t{width} * columns;
         std::copy(bias, bias + columns, y);
-        for (uint32_t k = 0; k < width; k++)
-            for (uint32_t c = 0; c < columns; c++)
+        for (uint32_t k = 0; k < width; ++k)
+            for (uint32_t c = 0; c < columns; ++c)
                 y[c] += static_cast<double>(hidden[k]) * static_cast<double>(numbers[size_t{k} * columns + c]);
     }
 };
@@ -45,7 +45,7 @@ std::vector<glm::vec3> cell_centres_in(const voctree::VOctree& tree, const voctr
                                        uint32_t side) {
     std::vector<glm::vec3> centres;
     const float cell = leaf_edge(tree, position) / static_cast<float>(side);
-    for (uint32_t i = 0; i < side * side * side; i++)
+    for (uint32_t i = 0; i < side * side * side; ++i)
         centres.push_back(leaf_corner(tree, position) +
                           cell * (glm::vec3(i % side, i / side % side, i / side / side) + 0.5f));
     return centres;
@@ -72,13 +72,13 @@ void for_each_leaf(PsiStep& psi, size_t leaves, size_t points_per_leaf, const Po
     for (size_t first = 0; first < leaves; first += at_once) {
         const size_t count = std::min(at_once, leaves - first);
         points.clear();
-        for (size_t i = 0; i < count; i++) {
+        for (size_t i = 0; i < count; ++i) {
             const std::vector<glm::vec3> of_leaf = points_of(first + i);
             points.insert(points.end(), of_leaf.begin(), of_leaf.end());
         }
         const std::vector<float> hidden = psi.hidden_at(points);
         parallel_for(count, 16, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; i++) use(first + i, &hidden[i * stride]);
+            for (size_t i = begin; i < end; ++i) use(first + i, &hidden[i * stride]);
         });
     }
 }
@@ -88,9 +88,9 @@ double density_over_time(const PsiNetwork& network, const double* outputs) {
     const PsiShape& shape = network.shape;
     const float* basis = &network.parameters[shape.sigma_rows_offset()];
     double sum = 0;
-    for (uint32_t t = 0; t < shape.frames; t++) {
+    for (uint32_t t = 0; t < shape.frames; ++t) {
         double raw = 0;
-        for (uint32_t c = 0; c < shape.bases; c++)
+        for (uint32_t c = 0; c < shape.bases; ++c)
             raw += static_cast<double>(basis[size_t{t} * shape.bases + c]) * outputs[c];
         sum += std::max(raw, 0.0);
     }
@@ -113,13 +113,13 @@ std::vector<voctree::LeafPosition> dense_positions(PsiStep& psi, const PsiNetwor
         psi, positions.size(), cells, [&](size_t i) { return cell_centres_in(hull, positions[i], side); },
         [&](size_t i, const float* hidden) {
             std::vector<double> outputs(output.columns);
-            for (uint32_t cell = 0; cell < cells && dense[i] == 0; cell++) {
+            for (uint32_t cell = 0; cell < cells && dense[i] == 0; ++cell) {
                 output(hidden + size_t{cell} * output.width, outputs.data());
                 dense[i] = density_over_time(network, outputs.data()) >= static_cast<double>(threshold) ? 1 : 0;
             }
         });
     std::vector<voctree::LeafPosition> kept;
-    for (size_t i = 0; i < positions.size(); i++)
+    for (size_t i = 0; i < positions.size(); ++i)
         if (dense[i] != 0) kept.push_back(positions[i]);
     return kept;
 }
@@ -135,16 +135,16 @@ void set_mean_weights(PsiStep& psi, const PsiNetwork& network, voctree::VOctree&
         psi, positions.size(), count, [&](size_t i) { return random_points_in(tree, positions[i], count, random); },
         [&](size_t i, const float* hidden) {
             std::vector<float> mean(output.width);
-            for (uint32_t k = 0; k < output.width; k++) {
+            for (uint32_t k = 0; k < output.width; ++k) {
                 double sum = 0;
-                for (uint32_t point = 0; point < count; point++)
+                for (uint32_t point = 0; point < count; ++point)
                     sum += static_cast<double>(hidden[size_t{point} * output.width + k]);
                 mean[k] = static_cast<float>(sum / count);
             }
             std::vector<double> outputs(output.columns);
             output(mean.data(), outputs.data());
             float* leaf = tree.leaf(static_cast<uint32_t>(i));
-            for (uint32_t c = 0; c < output.columns; c++)
+            for (uint32_t c = 0; c < output.columns; ++c)
                 leaf[c] = static_cast<float>(outputs[c] * (c < tree.bases ? static_cast<double>(network.density) : 1));
         });
 }
@@ -163,7 +163,7 @@ struct PsiRun {
         pixels += static_cast<double>(result.pixels);
         rgb += result.rgb_loss;
         loss += result.total(weights);
-        steps++;
+        ++steps;
     }
     PsiProgress report(const PsiSettings& settings, const PsiStep& psi) {
         const double now = seconds_now(), share = std::max(fraction(settings), 1e-6), over = static_cast<double>(steps);
@@ -200,7 +200,7 @@ void train_psi(PsiStep& psi, const Dataset& dataset, const PsiSettings& settings
     bool go_on = true;
     while (go_on && run.fraction(settings) < 1) {
         load_batch(dataset, batch, psi.rays(), psi.batch());
-        run.step++;
+        ++run.step;
         const PsiStepSettings step = step_settings(settings, run, batch, psi.shape().frames);
         psi.submit(step);
         batch = sampler.next();

@@ -64,7 +64,7 @@ struct Scene {
 // Up to kViews of a segment's views, spread over them by multiples of the golden ratio.
 std::vector<ComparedView> selected_views(const std::vector<ViewFrame>& views, const Dataset& dataset) {
     std::set<size_t> selected;
-    for (size_t i = 0; i < kViews; i++) {
+    for (size_t i = 0; i < kViews; ++i) {
         const double share = std::fmod(static_cast<double>(i) * std::numbers::phi, 1.0);
         selected.insert(static_cast<size_t>(share * static_cast<double>(views.size())));
     }
@@ -91,11 +91,11 @@ Scene scene_of(const voctree::ClipIndex& clip, const Dataset& dataset) {
 void add_image(const media::Image& truth, const media::Image& render, const std::array<media::Image, kNumbers>& plus,
                const std::array<media::Image, kNumbers>& minus, PoseEvidence& evidence) {
     for (size_t i = 0; i < truth.rgba.size(); i += 4)
-        for (size_t channel = i; channel < i + 3; channel++) {
+        for (size_t channel = i; channel < i + 3; ++channel) {
             const double error = (int{render.rgba[channel]} - int{truth.rgba[channel]}) / 255.0;
             Numbers derivatives;
             bool any = false;
-            for (size_t number = 0; number < kNumbers; number++) {
+            for (size_t number = 0; number < kNumbers; ++number) {
                 const int difference = int{plus[number].rgba[channel]} - int{minus[number].rgba[channel]};
                 derivatives[number] = difference / 510.0;
                 any |= difference != 0;
@@ -124,13 +124,13 @@ class Alignment {
     RigAlignment operator()() {
         Numbers numbers{}, best{};
         double least = std::numeric_limits<double>::infinity();
-        for (round_ = 0; round_ <= kMostRounds; round_++) {
+        for (round_ = 0; round_ <= kMostRounds; ++round_) {
             const std::optional<PoseEvidence> evidence = look_from(numbers);
             if (!evidence) break;
             if (evidence->error < least) least = evidence->error, best = numbers;
             const Numbers change = solution_of(*evidence);
             double furthest = 0;
-            for (size_t i = 0; i < kNumbers; i++) {
+            for (size_t i = 0; i < kNumbers; ++i) {
                 const double pixels = std::clamp(change[i], -kMostPixels, kMostPixels);
                 numbers[i] += pixels * steps_[i];
                 furthest = std::max(furthest, std::abs(pixels));
@@ -144,11 +144,11 @@ class Alignment {
     // What all views say from a motion; nothing where the callback stopped the search.
     std::optional<PoseEvidence> look_from(const Numbers& numbers) {
         PoseEvidence evidence;
-        for (size_t i = 0; i < scene_.views.size(); i++) {
+        for (size_t i = 0; i < scene_.views.size(); ++i) {
             const double done = static_cast<double>(i) / static_cast<double>(scene_.views.size());
             if (!callback_((round_ + done) / (kMostRounds + 1))) return std::nullopt;
             std::array<media::Image, kNumbers> plus, minus;
-            for (size_t number = 0; number < kNumbers; number++) {
+            for (size_t number = 0; number < kNumbers; ++number) {
                 Numbers more = numbers, less = numbers;
                 more[number] += steps_[number];
                 less[number] -= steps_[number];

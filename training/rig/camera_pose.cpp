@@ -29,7 +29,7 @@ stage::Camera moved(const stage::Camera& given, const PoseChange& change) {
 std::vector<stage::Camera> moved(const std::vector<stage::Camera>& given, const std::vector<PoseChange>& changes) {
     assert((changes.empty() || changes.size() == given.size()) && "a change for each camera");
     std::vector<stage::Camera> cameras = given;
-    for (size_t i = 0; i < changes.size(); i++) cameras[i] = moved(given[i], changes[i]);
+    for (size_t i = 0; i < changes.size(); ++i) cameras[i] = moved(given[i], changes[i]);
     return cameras;
 }
 
@@ -51,7 +51,7 @@ PoseChange pose_bounds(const stage::Camera& camera, glm::dvec3 centre) {
 }
 
 bool is_possible(const PoseChange& change) {
-    for (size_t i = 0; i < kPoseNumbers; i++) {
+    for (size_t i = 0; i < kPoseNumbers; ++i) {
         const double most = i < kShiftX ? kMaxTurn : i < kZoom ? kMaxShiftMetres : kMaxZoom;
         if (!(std::abs(change[i]) <= most)) return false;
     }
@@ -59,7 +59,7 @@ bool is_possible(const PoseChange& change) {
 }
 
 bool is_at_bound(const PoseChange& change, const PoseChange& bounds) {
-    for (size_t i = 0; i < kPoseNumbers; i++)
+    for (size_t i = 0; i < kPoseNumbers; ++i)
         if (std::abs(change[i]) >= bounds[i]) return true;
     return false;
 }
@@ -67,7 +67,7 @@ bool is_at_bound(const PoseChange& change, const PoseChange& bounds) {
 std::array<glm::dvec3, kScenePoints> scene_points(const stage::Camera& camera, glm::dvec3 centre) {
     const double extent = kSceneExtent * distance_to(camera, centre);
     std::array<glm::dvec3, kScenePoints> points;
-    for (size_t i = 0; i < kScenePoints; i++)
+    for (size_t i = 0; i < kScenePoints; ++i)
         points[i] = centre + extent * glm::dvec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
     return points;
 }

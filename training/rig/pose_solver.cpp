@@ -33,18 +33,18 @@ constexpr double kCommonRidge = 1e-9, kRidge = 1e-4;
 // Solves a system whose matrix is symmetric and positive definite, by Cholesky's decomposition.
 template <size_t N>
 std::array<double, N> solved(Matrix<N> matrix, std::array<double, N> right) {
-    for (size_t j = 0; j < N; j++) {
-        for (size_t k = 0; k < j; k++)
-            for (size_t i = j; i < N; i++) matrix[i][j] -= matrix[i][k] * matrix[j][k];
+    for (size_t j = 0; j < N; ++j) {
+        for (size_t k = 0; k < j; ++k)
+            for (size_t i = j; i < N; ++i) matrix[i][j] -= matrix[i][k] * matrix[j][k];
         const double pivot = std::sqrt(matrix[j][j]);
-        for (size_t i = j; i < N; i++) matrix[i][j] /= pivot;
+        for (size_t i = j; i < N; ++i) matrix[i][j] /= pivot;
     }
-    for (size_t i = 0; i < N; i++) {
-        for (size_t k = 0; k < i; k++) right[i] -= matrix[i][k] * right[k];
+    for (size_t i = 0; i < N; ++i) {
+        for (size_t k = 0; k < i; ++k) right[i] -= matrix[i][k] * right[k];
         right[i] /= matrix[i][i];
     }
     for (size_t i = N; i-- > 0;) {
-        for (size_t k = i + 1; k < N; k++) right[i] -= matrix[k][i] * right[k];
+        for (size_t k = i + 1; k < N; ++k) right[i] -= matrix[k][i] * right[k];
         right[i] /= matrix[i][i];
     }
     return right;
@@ -59,7 +59,7 @@ std::array<PoseChange, kCommon> common_motions(const stage::Camera& camera, glm:
         return PoseChange{t.x, t.y, t.z, s.x, s.y, s.z, 0};
     };
     std::array<PoseChange, kCommon> motions;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         glm::dvec3 axis(0);
         axis[i] = 1;
         motions[static_cast<size_t>(i)] = numbers(axis, glm::cross(axis, arm));
@@ -78,9 +78,9 @@ PoseChange preferred(const stage::Camera& camera, const PoseEvidence& evidence, 
     const double scale = 1 / (kAlikePixels * variance);
     Matrix<kPoseNumbers> matrix;
     PoseChange right;
-    for (size_t i = 0; i < kPoseNumbers; i++) {
+    for (size_t i = 0; i < kPoseNumbers; ++i) {
         const double prior = 1 / (deviations[i] * deviations[i]);
-        for (size_t j = 0; j < kPoseNumbers; j++) matrix[i][j] = scale * evidence.normal[i][j];
+        for (size_t j = 0; j < kPoseNumbers; ++j) matrix[i][j] = scale * evidence.normal[i][j];
         matrix[i][i] += prior;
         right[i] = scale * evidence.right[i] - prior * change[i];
     }
@@ -94,36 +94,36 @@ CommonMotion common_part(const std::vector<stage::Camera>& given, const std::vec
     constexpr double kTiny = 1e-4;  // of a difference
     Matrix<kCommon> normal{};
     CommonMotion right{};
-    for (size_t c = 0; c < given.size(); c++) {
+    for (size_t c = 0; c < given.size(); ++c) {
         const stage::Camera changed = moved(given[c], changes[c]);
         std::array<PoseChange, kCommon> motions = common_motions(given[c], centre);
         std::array<stage::Camera, kCommon> by;
-        for (size_t j = 0; j < kCommon; j++) {
+        for (size_t j = 0; j < kCommon; ++j) {
             for (double& number : motions[j]) number *= kTiny;
             by[j] = moved(given[c], motions[j]);
         }
         for (const glm::dvec3& point : scene_points(given[c], centre)) {
             const glm::dvec2 at = seen_at(given[c], point), error = seen_at(changed, point) - at;
             std::array<glm::dvec2, kCommon> slope;
-            for (size_t j = 0; j < kCommon; j++) slope[j] = (seen_at(by[j], point) - at) / kTiny;
-            for (size_t j = 0; j < kCommon; j++) {
+            for (size_t j = 0; j < kCommon; ++j) slope[j] = (seen_at(by[j], point) - at) / kTiny;
+            for (size_t j = 0; j < kCommon; ++j) {
                 right[j] += glm::dot(slope[j], error);
-                for (size_t k = 0; k < kCommon; k++) normal[j][k] += glm::dot(slope[j], slope[k]);
+                for (size_t k = 0; k < kCommon; ++k) normal[j][k] += glm::dot(slope[j], slope[k]);
             }
         }
     }
     double trace = 0;
-    for (size_t j = 0; j < kCommon; j++) trace += normal[j][j];
-    for (size_t j = 0; j < kCommon; j++) normal[j][j] += kCommonRidge * trace / kCommon;
+    for (size_t j = 0; j < kCommon; ++j) trace += normal[j][j];
+    for (size_t j = 0; j < kCommon; ++j) normal[j][j] += kCommonRidge * trace / kCommon;
     return solved(normal, right);
 }
 
 }  // namespace
 
 void PoseEvidence::add(double residual, const PoseChange& derivatives, double weight) {
-    for (size_t i = 0; i < kPoseNumbers; i++) {
+    for (size_t i = 0; i < kPoseNumbers; ++i) {
         right[i] -= weight * derivatives[i] * residual;
-        for (size_t j = 0; j < kPoseNumbers; j++) normal[i][j] += weight * derivatives[i] * derivatives[j];
+        for (size_t j = 0; j < kPoseNumbers; ++j) normal[i][j] += weight * derivatives[i] * derivatives[j];
     }
     error += weight * residual * residual;
     count += 1;
@@ -132,9 +132,9 @@ void PoseEvidence::add(double residual, const PoseChange& derivatives, double we
 PoseChange solution_of(const PoseEvidence& evidence) {
     Matrix<kPoseNumbers> normal = evidence.normal;
     double trace = 0;
-    for (size_t i = 0; i < kPoseNumbers; i++) trace += normal[i][i];
+    for (size_t i = 0; i < kPoseNumbers; ++i) trace += normal[i][i];
     if (trace == 0) return {};
-    for (size_t i = 0; i < kPoseNumbers; i++) normal[i][i] += kRidge * trace / double{kPoseNumbers};
+    for (size_t i = 0; i < kPoseNumbers; ++i) normal[i][i] += kRidge * trace / double{kPoseNumbers};
     return solved(normal, evidence.right);
 }
 
@@ -142,17 +142,17 @@ std::vector<PoseChange> next_poses(const std::vector<stage::Camera>& given, cons
                                    const std::vector<PoseEvidence>& evidence, glm::dvec3 centre, double pixels) {
     assert(given.size() == changes.size() && given.size() == evidence.size() && "one of each by camera");
     std::vector<PoseChange> next = changes;
-    for (size_t camera = 0; camera < given.size(); camera++) {
+    for (size_t camera = 0; camera < given.size(); ++camera) {
         const PoseChange change = preferred(given[camera], evidence[camera], changes[camera], centre);
         const PoseChange steps = pose_steps(given[camera], centre, 2 * pixels);
-        for (size_t i = 0; i < kPoseNumbers; i++) next[camera][i] += kGain * std::clamp(change[i], -steps[i], steps[i]);
+        for (size_t i = 0; i < kPoseNumbers; ++i) next[camera][i] += kGain * std::clamp(change[i], -steps[i], steps[i]);
     }
     const CommonMotion common = common_part(given, next, centre);
-    for (size_t camera = 0; camera < given.size(); camera++) {
+    for (size_t camera = 0; camera < given.size(); ++camera) {
         const std::array<PoseChange, kCommon> motions = common_motions(given[camera], centre);
         const PoseChange bounds = pose_bounds(given[camera], centre);
-        for (size_t i = 0; i < kPoseNumbers; i++) {
-            for (size_t j = 0; j < kCommon; j++) next[camera][i] -= common[j] * motions[j][i];
+        for (size_t i = 0; i < kPoseNumbers; ++i) {
+            for (size_t j = 0; j < kCommon; ++j) next[camera][i] -= common[j] * motions[j][i];
             next[camera][i] = std::clamp(next[camera][i], -bounds[i], bounds[i]);
         }
     }

@@ -18,7 +18,7 @@ constexpr std::array<const char*, kPoseNumbers> kNames = {"turn_x",  "turn_y",  
 
 PoseChange pose_from(const JsonNode& camera) {
     PoseChange pose;
-    for (size_t i = 0; i < kPoseNumbers; i++) pose[i] = json_number(camera[kNames[i]]);
+    for (size_t i = 0; i < kPoseNumbers; ++i) pose[i] = json_number(camera[kNames[i]]);
     if (!is_possible(pose)) camera.fail("is a pose that is farther from the calibration than any run finds");
     return pose;
 }
@@ -39,10 +39,10 @@ std::filesystem::path rig_file(const std::filesystem::path& clip) {
 void write_rig_correction(const std::filesystem::path& clip, const RigCorrection& correction) {
     nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
     const RigChanges& changes = correction.changes;
-    for (size_t i = 0; i < correction.cameras.size(); i++) {
+    for (size_t i = 0; i < correction.cameras.size(); ++i) {
         nlohmann::ordered_json camera{{"name", correction.cameras[i]}};
         if (!changes.poses.empty())
-            for (size_t number = 0; number < kPoseNumbers; number++) camera[kNames[number]] = changes.poses[i][number];
+            for (size_t number = 0; number < kPoseNumbers; ++number) camera[kNames[number]] = changes.poses[i][number];
         if (!changes.frames_late.empty()) camera["frames_late"] = changes.frames_late[i];
         cameras.push_back(std::move(camera));
     }
@@ -67,7 +67,7 @@ std::optional<RigCorrection> read_rig_correction(const std::filesystem::path& cl
     const JsonNode cameras = root["cameras"];
     expect_list(cameras);
     if (cameras.value.size() > kMostCameras) cameras.fail("has more cameras than any rig");
-    for (size_t i = 0; i < cameras.value.size(); i++) {
+    for (size_t i = 0; i < cameras.value.size(); ++i) {
         const JsonNode camera = cameras[i];
         correction.cameras.push_back(json_string(camera["name"]));
         if (poses) correction.changes.poses.push_back(pose_from(camera));

@@ -37,13 +37,13 @@ double TimeEvidence::contrast() const {
 void add_time_evidence(TrainingStep& step, const std::vector<stage::Camera>& cameras, const CameraColours& colours,
                        const Batch& batch, uint32_t frame, uint32_t beside, std::vector<TimeEvidence>& evidence) {
     assert(step.rays().camera_capacity >= cameras.size() && batch.samples == 1);
-    for (size_t i = 0; i < cameras.size(); i++)
+    for (size_t i = 0; i < cameras.size(); ++i)
         step.rays().cameras.as<ShaderCamera>()[i] = render::shader_camera(cameras[i]);
     for (size_t first = 0, end; first < batch.tiles.size(); first = end) {
         end = std::min<size_t>(first + step.rays().tile_capacity, batch.tiles.size());
         const std::vector<glm::vec4> here = traced(step, batch, first, end, frame);
         const std::vector<glm::vec4> there = traced(step, batch, first, end, beside);
-        for (size_t i = 0; i < here.size(); i++) {
+        for (size_t i = 0; i < here.size(); ++i) {
             const size_t ray = first * kTilePixels + i, tile = ray / kTilePixels;
             const glm::vec4 truth = batch.target[ray], behind = batch.background[ray];
             if (truth.a < 0) continue;

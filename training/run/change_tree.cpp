@@ -19,7 +19,7 @@ double count_of_lives(const voctree::VOctree& tree, const LeafUse& use) {
     std::vector<double> lives(tree.leaf_count);
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
         std::vector<float> sigma(tree.frames);
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             if (use.max_weight[i] < kMinWeightToDivide) continue;
             voctree::sigma_of_frames(tree, tree.leaf(static_cast<uint32_t>(i)), sigma);
             lives[i] = static_cast<double>(std::count_if(sigma.begin(), sigma.end(), [](float s) { return s > 0; }));

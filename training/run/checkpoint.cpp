@@ -49,7 +49,7 @@ std::vector<uint16_t> fetch_bfloat(const gpu::Device& device, const gpu::Buffer&
         const auto* values = static_cast<const float*>(piece);
         uint16_t* to = &result[at / sizeof(float)];
         parallel_for(bytes / sizeof(float), 1 << 20, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; i++) to[i] = bfloat_from_float(values[i]);
+            for (size_t i = begin; i < end; ++i) to[i] = bfloat_from_float(values[i]);
         });
     });
     return result;
@@ -57,7 +57,7 @@ std::vector<uint16_t> fetch_bfloat(const gpu::Device& device, const gpu::Buffer&
 
 void upload_bfloat(const gpu::Device& device, const gpu::Buffer& buffer, const std::vector<uint16_t>& values) {
     std::vector<float> floats(values.size());
-    for (size_t i = 0; i < values.size(); i++) floats[i] = float_from_bfloat(values[i]);
+    for (size_t i = 0; i < values.size(); ++i) floats[i] = float_from_bfloat(values[i]);
     gpu::upload(device, buffer, floats.data(), floats.size() * sizeof(float));
 }
 

@@ -15,8 +15,8 @@ constexpr uint32_t kSamples = 2;  // rays along each side of a pixel
 
 media::Image side_by_side(const std::vector<media::Image>& images) {
     media::Image row(images[0].width * static_cast<uint32_t>(images.size()), images[0].height);
-    for (uint32_t i = 0; i < images.size(); i++)
-        for (uint32_t y = 0; y < row.height; y++)
+    for (uint32_t i = 0; i < images.size(); ++i)
+        for (uint32_t y = 0; y < row.height; ++y)
             std::copy_n(images[i].at(0, y), size_t{4} * images[i].width, row.at(i * images[i].width, y));
     return row;
 }

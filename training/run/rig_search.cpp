@@ -41,12 +41,12 @@ std::vector<size_t> motion_after_frames(const Dataset& dataset) {
         images[static_cast<size_t>(frame)][view.camera] = &view.image;
     }
     std::vector<size_t> motion;
-    for (size_t frame = 0; frame + 1 < images.size(); frame++) {
+    for (size_t frame = 0; frame + 1 < images.size(); ++frame) {
         motion.push_back(0);
-        for (size_t camera = 0; camera < dataset.cameras.size(); camera++) {
+        for (size_t camera = 0; camera < dataset.cameras.size(); ++camera) {
             const TiledImage *before = images[frame][camera], *after = images[frame + 1][camera];
             if (!before || !after || before->groups().size() != after->groups().size()) continue;
-            for (size_t i = 0; i < before->groups().size(); i++)
+            for (size_t i = 0; i < before->groups().size(); ++i)
                 motion.back() += static_cast<size_t>(std::popcount(before->groups()[i].kept ^ after->groups()[i].kept));
         }
     }
@@ -58,7 +58,7 @@ std::vector<size_t> draft_frames(const Dataset& dataset) {
     const size_t count = dataset.times.size();
     std::vector<size_t> frames;
     if (count <= 4) {
-        for (size_t i = 0; i < count; i++) frames.push_back(i);
+        for (size_t i = 0; i < count; ++i) frames.push_back(i);
         return frames;
     }
     const std::vector<size_t> motion = motion_after_frames(dataset);
@@ -79,7 +79,7 @@ Dataset at_frames(const Dataset& dataset, const std::vector<size_t>& frames) {
     part.plates = dataset.plates;
     part.box = dataset.box;
     part.fps = dataset.fps;
-    for (size_t i = 0; i < frames.size(); i++) {
+    for (size_t i = 0; i < frames.size(); ++i) {
         const double time = frames.size() > 1 ? static_cast<double>(i) / static_cast<double>(frames.size() - 1) : 0;
         part.times.push_back(time);
         for (const View& view : dataset.views) {
@@ -109,9 +109,9 @@ double root_mean_square(const std::vector<double>& values) {
 std::vector<double> motion_between(const std::vector<stage::Camera>& given, const std::vector<PoseChange>& from,
                                    const std::vector<PoseChange>& to, glm::dvec3 centre) {
     std::vector<double> motion;
-    for (size_t camera = 0; camera < given.size(); camera++) {
+    for (size_t camera = 0; camera < given.size(); ++camera) {
         PoseChange by;
-        for (size_t i = 0; i < kPoseNumbers; i++) by[i] = to[camera][i] - from[camera][i];
+        for (size_t i = 0; i < kPoseNumbers; ++i) by[i] = to[camera][i] - from[camera][i];
         motion.push_back(image_motion(given[camera], by, centre));
     }
     return motion;
@@ -195,7 +195,7 @@ void RigSearch::make_round(const BetweenSteps& now) {
     const bool times_too = progress_.rounds + kRoundsForTime >= kRounds;
     std::vector<PoseEvidence> evidence(given_.size());
     std::vector<TimeEvidence> lateness(given_.size());
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const auto frame = static_cast<uint32_t>((progress_.rounds * count + i) % frames_.size());
         const Batch batch = now.sampler.sample(frame, kTilesPerCamera / static_cast<uint32_t>(count),
                                                settings_.seed + progress_.rounds);
@@ -212,7 +212,7 @@ void RigSearch::make_round(const BetweenSteps& now) {
     for (const PoseEvidence& one : evidence)
         found_.psnr.push_back(one.count > 0 ? -10 * std::log10(std::max(one.error / one.count, 1e-10)) : 0);
     found_.motion_px = motion_between(given_, still_, found_.changes.poses, centre_);
-    progress_.rounds++;
+    ++progress_.rounds;
     progress_.motion_px = root_mean_square(found_.motion_px);
     progress_.last_motion_px = root_mean_square(motion_between(given_, before, found_.changes.poses, centre_));
     found_.pixels = pixels;
@@ -226,7 +226,7 @@ void RigSearch::make_round(const BetweenSteps& now) {
 void RigSearch::conclude_times() {
     found_.changes.frames_late.assign(given_.size(), 0);
     found_.late_by.assign(given_.size(), std::numeric_limits<double>::infinity());
-    for (size_t camera = 0; camera < given_.size(); camera++) {
+    for (size_t camera = 0; camera < given_.size(); ++camera) {
         double sum = 0, squares = 0, count = 0;
         for (const std::vector<TimeEvidence>& round : lateness_) {
             if (round[camera].contrast() < kLeastContrast) continue;
@@ -302,7 +302,7 @@ Refinement worthwhile(const RigFindings& findings) {
     Refinement what;
     const CameraColours& colours = findings.colours;
     std::vector<double> exposures;
-    for (size_t camera = 0; camera < findings.motion_px.size(); camera++) {
+    for (size_t camera = 0; camera < findings.motion_px.size(); ++camera) {
         what.time |= is_late(findings, camera);
         if (colours.empty()) continue;
         what.colour.colour |= largest_gain_error(colours, camera) > kWorthGain;

@@ -193,7 +193,7 @@ void Run::begin() {
             fmt::format("is of a run on other images, mattes or cameras than those of {}", dataset_.folder.string()),
             "resume with the data set that the run began with");
     run_.dataset_hash = given_hash_;
-    for (uint64_t step = 1; step <= run_.step; step++) sampler_->skip(samples_of(step));
+    for (uint64_t step = 1; step <= run_.step; ++step) sampler_->skip(samples_of(step));
 }
 
 // How many leaves there is room for in the memory that was free when the run began, with its images read: where a
@@ -241,7 +241,7 @@ void Run::correct_rig(const RigChanges& changes) {
     if (changes.empty()) return;
     const auto [low, high] = first_box(dataset_);
     const glm::dvec3 centre = 0.5 * (low + high);
-    for (size_t i = 0; i < changes.poses.size(); i++) {
+    for (size_t i = 0; i < changes.poses.size(); ++i) {
         const stage::Camera& given = dataset_.cameras[i];
         poses_.push_back({changes.poses[i], image_motion(given, changes.poses[i], centre),
                           is_at_bound(changes.poses[i], pose_bounds(given, centre))});
@@ -269,7 +269,7 @@ void Run::begin_phase_if_due() {
     const bool covered = epochs > kMinEpochsForPruning, coarse = run_.phase < kLevelsAbovePixel;
     if (!covered && !coarse) return;  // the change waits until enough rays were traced
     if (run_.max_bytes > 0) save();   // max_leaves() needs to know how well this tree packs
-    run_.phase++;
+    ++run_.phase;
     if (!coarse && !run_.adaptive) return;
     checkpoints_.wait();  // what is written takes memory, and so does a change of the tree
     const TraceSpan span("change the tree", run_.phase);
@@ -303,7 +303,7 @@ void Run::expect_alike() const {
         bool operator==(const Word&) const = default;
     };
     const std::vector<Word> words = gather_values(team(), Word{given_hash_, run_.step, tree_.leaf_count});
-    for (size_t rank = 1; rank < words.size(); rank++)
+    for (size_t rank = 1; rank < words.size(); ++rank)
         if (words[rank] != words[0])
             throw InputError(dataset_.folder.string(), "",
                              fmt::format("is not the same for the first process and process {} of {}, or their "
@@ -450,8 +450,8 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         aside([&] { go_on = may_go_on(); });
         if (!go_on) break;
         load_batch(dataset_, batch, step_->rays(), step_->batch(), colours_);
-        run_.step++;
-        run_.adam_step++;
+        ++run_.step;
+        ++run_.adam_step;
         StepSettings settings = step_settings(batch.time);
         settings.tiles = static_cast<uint32_t>(batch.tiles.size());
         settings.samples = batch.samples;
@@ -467,7 +467,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         rgb_sum_ += result.rgb_loss;
         grad_sum_ += result.grad_loss;
         loss_sum_ += result.total(settings.weights);
-        steps_sum_++;
+        ++steps_sum_;
         if (seconds_now() - reported_at_ >= 1) {
             reported_ = progress();
             aside([&] { go_on = callback(reported_); });

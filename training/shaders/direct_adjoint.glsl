@@ -33,19 +33,19 @@ layout(push_constant) uniform Push { TraceAdjointPush push; };
 uint plane_at(uint plane) { return 4u * (plane * push.leaf_count + at_leaf); }
 
 void add_plane(uint plane, vec4 gradient) {
-    for (uint i = 0u; i < 4u; i++) gradient_add(plane_at(plane) + i, gradient[i]);
+    for (uint i = 0u; i < 4u; ++i) gradient_add(plane_at(plane) + i, gradient[i]);
 }
 
 // Adds the derivatives by w_nlm for one l; returns what these functions contribute to ∂L/∂γ.
 float scatter_band(uint l, vec4 radial, vec4 radial_adjoint, vec3 d_raw) {
     float d_gamma = 0.0;
-    for (uint n = l; n <= kHhDegree; n++)
-        for (uint j = l * l; j < (l + 1u) * (l + 1u); j++) {
+    for (uint n = l; n <= kHhDegree; ++n)
+        for (uint j = l * l; j < (l + 1u) * (l + 1u); ++j) {
             const uint function = kHhBase[n] + j;
             const vec3 d_k = sh_y[j] * d_raw;
             d_gamma += radial_adjoint[n] * dot(leaf_hh(at_leaf, function, push.leaf_count), d_k);
             const uint at = plane_at(2u * kBasisPlanes + function);
-            for (uint channel = 0u; channel < 3u; channel++) gradient_add(at + channel, radial[n] * d_k[channel]);
+            for (uint channel = 0u; channel < 3u; ++channel) gradient_add(at + channel, radial[n] * d_k[channel]);
         }
     return d_gamma;
 }
@@ -58,7 +58,7 @@ void scatter(float weight, float d_sigma, float opacity_sensitivity, vec3 d_raw)
     if (kHhDegree >= 2u) d_gamma += scatter_band(2u, r.l2, d.l2, d_raw);
     if (kHhDegree >= 3u) d_gamma += scatter_band(3u, r.l3, d.l3, d_raw);
     const float d_raw_gamma = d_gamma * gamma * (1.0 - gamma / kPi);
-    for (uint i = 0u; i < kBusyPlanes; i++) {
+    for (uint i = 0u; i < kBusyPlanes; ++i) {
         add_plane(rows.planes[i].x, d_sigma * rows.sigma[i]);
         add_plane(kBasisPlanes + rows.planes[i].y, d_raw_gamma * rows.gamma[i]);
     }

@@ -23,6 +23,6 @@ void main() {
     if (to + record_words(kHhDegree) > records.length()) return;  // the host sees that there are too many
     records[to] = FETCH(slot_leaf, int(slot)).x;
     records[to + 1u] = max_weight[slot];
-    for (uint i = 0u; i < gradient_stride(kHhDegree); i++)
+    for (uint i = 0u; i < gradient_stride(kHhDegree); ++i)
         records[to + 2u + i] = floatBitsToUint(gradients[from + i]);
 }

@@ -43,7 +43,7 @@ vec4 seen_adjoint(uint tile, vec3 d) {
 // The derivative by a row of the camera's colour, summed over the tile.
 vec4 row_gradient(uint row) {
     vec4 sum = vec4(0.0);
-    for (uint i = 0u; i < kTilePixels; i++) sum += d_seen[i][row] * foreground[i];
+    for (uint i = 0u; i < kTilePixels; ++i) sum += d_seen[i][row] * foreground[i];
     return sum;
 }
 
@@ -56,8 +56,8 @@ vec3 difference(uint near, uint far) {
 vec3 pixel_mean(uint x, uint y) {
     const uint first = y / push.samples * push.samples * kTile + x / push.samples * push.samples;
     vec3 sum = vec3(0.0);
-    for (uint j = 0u; j < push.samples; j++)
-        for (uint i = 0u; i < push.samples; i++) sum += composited[first + j * kTile + i];
+    for (uint j = 0u; j < push.samples; ++j)
+        for (uint i = 0u; i < push.samples; ++i) sum += composited[first + j * kTile + i];
     return sum / float(push.samples * push.samples);
 }
 
@@ -95,6 +95,6 @@ void main() {
     if (push.colours != 0u && lane < 3u) colour_gradients[group].rows[lane] = row_gradient(lane);
     if (lane != 0u) return;
     vec4 sum = vec4(0.0);
-    for (uint i = 0u; i < kTilePixels; i++) sum += vec4(losses[i], share * error[i].a, 0.0);
+    for (uint i = 0u; i < kTilePixels; ++i) sum += vec4(losses[i], share * error[i].a, 0.0);
     sums[group] = sum;
 }

@@ -38,7 +38,7 @@ void main() {
     const uint lane = gl_LocalInvocationID.x, column = lane % kMaxBases;
     if (column >= push.bases) return;
     float gradient = 0.0;
-    for (uint group = 0u; group < count.groups_x; group++) gradient += partials[group * (2u * kMaxBases) + lane];
+    for (uint group = 0u; group < count.groups_x; ++group) gradient += partials[group * (2u * kMaxBases) + lane];
     const TimeRows time = rows_of_time(push.frame, push.frames);
     const vec2 shares = row_element_adjoint(time);
     move_element(lane >= kMaxBases, time.first, column, shares.x * gradient);

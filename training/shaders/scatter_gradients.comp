@@ -27,5 +27,5 @@ void main() {
     if (!lives) return;
     const uint slot = sigma_and_slot.y, to = slot * gradient_stride(kHhDegree);
     max_weight[slot] = records[from + 1u];
-    for (uint i = 0u; i < gradient_stride(kHhDegree); i++) gradients[to + i] = uintBitsToFloat(records[from + 2u + i]);
+    for (uint i = 0u; i < gradient_stride(kHhDegree); ++i) gradients[to + i] = uintBitsToFloat(records[from + 2u + i]);
 }

@@ -54,7 +54,7 @@ void move_plane(uint leaf, uint plane, vec4 gradient, float rate) {
 
 // Where each frame has its own basis: keeps w^σ of the slice's frame from falling to where no gradient reaches it.
 void keep_dense(uint leaf, float least_sigma) {
-    for (uint i = 0u; i < kBusyPlanes; i++) {
+    for (uint i = 0u; i < kBusyPlanes; ++i) {
         const int texel = int(rows.planes[i].x * push.leaf_count + leaf);
         const vec4 weight = LOAD(weights, texel);
         const bvec4 of_frame = greaterThan(rows.sigma[i], vec4(0.0));
@@ -69,7 +69,7 @@ void sum_partial(uint plane, vec4 value) {
     barrier();
     if (lane == 0u) {
         vec4 sum = vec4(0.0);
-        for (uint i = 0u; i < kSliceGroup; i++) sum += share[i];
+        for (uint i = 0u; i < kSliceGroup; ++i) sum += share[i];
         partials[gl_WorkGroupID.x * (2u * kMaxBasisPlanes) + plane] = sum;
     }
     barrier();
@@ -77,7 +77,7 @@ void sum_partial(uint plane, vec4 value) {
 
 // The workgroup's sums of ∂A_t and ∂B_t, from weights that this step has not moved yet.
 void sum_rows(bool inside, uint leaf, float d_sigma, float d_raw_gamma) {
-    for (uint p = 0u; p < kBasisPlanes; p++) {
+    for (uint p = 0u; p < kBasisPlanes; ++p) {
         sum_partial(p, inside ? d_sigma * fetch_weights(leaf, p, push.leaf_count) : vec4(0.0));
         sum_partial(kMaxBasisPlanes + p,
                     inside ? d_raw_gamma * fetch_weights(leaf, kBasisPlanes + p, push.leaf_count) : vec4(0.0));
@@ -91,8 +91,8 @@ vec3 take_gradient(uint at) {
 // Moves the HH weights of one l in every n, and returns what these functions contribute to ∂L/∂γ.
 float band_adjoint(uint leaf, uint base, uint l, vec4 radial, vec4 radial_adjoint, float rate) {
     float d_gamma = 0.0;
-    for (uint n = l; n <= kHhDegree; n++)
-        for (uint j = l * l; j < (l + 1u) * (l + 1u); j++) {
+    for (uint n = l; n <= kHhDegree; ++n)
+        for (uint j = l * l; j < (l + 1u) * (l + 1u); ++j) {
             const vec3 d_k = take_gradient(base + 2u + 3u * j);
             const uint function = kHhBase[n] + j;
             d_gamma += radial_adjoint[n] * dot(leaf_hh(leaf, function, push.leaf_count), d_k);
@@ -138,13 +138,13 @@ void main() {
         max_weight[slot] = 0u;
         d_sigma = gradients[base];
         d_raw_gamma = colour_adjoint(leaf, base);
-        for (uint i = 0u; i < gradient_stride(kHhDegree); i++) gradients[base + i] = 0.0;
+        for (uint i = 0u; i < gradient_stride(kHhDegree); ++i) gradients[base + i] = 0.0;
     }
     if (kLearnRows != 0u) sum_rows(inside, leaf, d_sigma, d_raw_gamma);
     if (!inside) return;
     const uint depth = FETCH(leaf_positions, int(leaf)).y >> 16u;
     const float sigma_rate = push.sigma_rate * float(1u << depth) / push.box_size;
-    for (uint i = 0u; i < kBusyPlanes; i++) {
+    for (uint i = 0u; i < kBusyPlanes; ++i) {
         move_plane(leaf, rows.planes[i].x, d_sigma * rows.sigma[i], sigma_rate);
         move_plane(leaf, kBasisPlanes + rows.planes[i].y, d_raw_gamma * rows.gamma[i], push.gamma_rate);
     }

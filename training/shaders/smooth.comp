@@ -46,8 +46,8 @@ float alpha_at(ivec3 cell, float edge) {
 // Σ_n ∂√(…)/∂α_i over the six faces of the leaf. `low`, `size`: its corner and edge in finest cells.
 float sum_of_faces(float alpha, float edge, ivec3 low, int size) {
     float d_alpha = 0.0;
-    for (int axis = 0; axis < 3; axis++)
-        for (int face = 0; face < 2; face++) {
+    for (int axis = 0; axis < 3; ++axis)
+        for (int face = 0; face < 2; ++face) {
             ivec3 cell = low + size / 2;
             cell[axis] = face == 0 ? low[axis] - 1 : low[axis] + size;
             const float d = alpha - alpha_at(cell, edge);

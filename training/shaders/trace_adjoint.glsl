@@ -33,6 +33,6 @@ void scatter(float weight, float d_sigma, float opacity_sensitivity, vec3 d_raw)
     uint at = slot * gradient_stride(kHhDegree);
     gradient_add(at++, d_sigma);
     gradient_add(at++, opacity_sensitivity);
-    for (uint j = 0u; j < sh_count(kHhDegree); j++)
-        for (uint channel = 0u; channel < 3u; channel++) gradient_add(at++, sh_y[j] * d_raw[channel]);
+    for (uint j = 0u; j < sh_count(kHhDegree); ++j)
+        for (uint channel = 0u; channel < 3u; ++channel) gradient_add(at++, sh_y[j] * d_raw[channel]);
 }

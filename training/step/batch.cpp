@@ -29,12 +29,12 @@ std::vector<bool> tiles_near_foreground(const TiledImage& image, uint32_t reach)
     const uint32_t across = image.tiles_across(), down = image.tiles_down();
     if (reach == kEveryTile) return std::vector<bool>(size_t{across} * down, true);
     std::vector<bool> near(size_t{across} * down);
-    for (uint32_t y = 0; y < down; y++)
-        for (uint32_t x = 0; x < across; x++) {
+    for (uint32_t y = 0; y < down; ++y)
+        for (uint32_t x = 0; x < across; ++x) {
             if (!image.has_tile(x, y)) continue;
             const uint32_t first_x = x - std::min(x, reach), first_y = y - std::min(y, reach);
-            for (uint32_t v = first_y; v < std::min(y + reach + 1, down); v++)
-                for (uint32_t u = first_x; u < std::min(x + reach + 1, across); u++)
+            for (uint32_t v = first_y; v < std::min(y + reach + 1, down); ++v)
+                for (uint32_t u = first_x; u < std::min(x + reach + 1, across); ++u)
                     near[size_t{v} * across + u] = true;
         }
     return near;
@@ -63,7 +63,7 @@ BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uin
     : dataset_(dataset), tiles_per_batch_(tiles_per_batch), seed_(seed), in_a_row_(1), reach_(reach), random_(seed) {
     frames_.resize(dataset.times.size());
     double tiles = 0;
-    for (uint32_t i = 0; i < dataset.views.size(); i++) {
+    for (uint32_t i = 0; i < dataset.views.size(); ++i) {
         const auto time = std::lower_bound(dataset.times.begin(), dataset.times.end(), dataset.views[i].time);
         frames_[static_cast<size_t>(time - dataset.times.begin())].views.push_back(i);
         const TiledImage& image = dataset.views[i].image;
@@ -80,15 +80,15 @@ BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uin
 
 template <typename T>
 void BatchSampler::shuffle(std::vector<T>& values) {
-    for (size_t i = values.size(); i > 1; i--) std::swap(values[i - 1], values[random_() % i]);
+    for (size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[random_() % i]);
 }
 
 void BatchSampler::refill(FrameViews& frame) {
     for (const uint32_t view : frame.views) {
         const TiledImage& image = dataset_.views[view].image;
         const std::vector<bool> near = tiles_near_foreground(image, reach_);
-        for (uint32_t y = 0; y < image.tiles_down(); y++)
-            for (uint32_t x = 0; x < image.tiles_across(); x++)
+        for (uint32_t y = 0; y < image.tiles_down(); ++y)
+            for (uint32_t x = 0; x < image.tiles_across(); ++x)
                 if (near[size_t{y} * image.tiles_across() + x] &&
                     (image.has_tile(x, y) || uniform(random_) < kBackgroundShare))
                     frame.queue.push_back({view, static_cast<uint16_t>(x), static_cast<uint16_t>(y)});
@@ -105,7 +105,7 @@ BatchSampler::Drawn BatchSampler::draw(uint32_t samples) {
         shuffle(times_left_);
     }
     if (left_of_time_ == 0) left_of_time_ = in_a_row_;
-    left_of_time_--;
+    --left_of_time_;
     Drawn drawn{times_left_.back(), {}};
     FrameViews& frame = frames_[drawn.frame];
     if (frame.queue.empty()) refill(frame);
@@ -114,7 +114,7 @@ BatchSampler::Drawn BatchSampler::draw(uint32_t samples) {
     drawn.tiles.assign(first, frame.queue.end());
     frame.queue.erase(first, frame.queue.end());
     if (frame.queue.empty()) left_of_time_ = 0;
-    batches_drawn_++;
+    ++batches_drawn_;
     return drawn;
 }
 
@@ -131,7 +131,7 @@ Batch BatchSampler::next(uint32_t samples, uint32_t part, uint32_t parts) {
         // A generator for this batch alone, so that skip() need not draw its numbers.
         std::mt19937_64 random(seed_ ^ batches_drawn_ * 0x9e3779b97f4a7c15u);
         random.discard((first + from) * numbers_of_tile(samples));
-        for (size_t i = from; i < to; i++) fill(batch, i, drawn.tiles[first + i], random);
+        for (size_t i = from; i < to; ++i) fill(batch, i, drawn.tiles[first + i], random);
     });
     return batch;
 }
@@ -144,10 +144,10 @@ Batch BatchSampler::sample(size_t frame, uint32_t tiles_per_view, uint64_t seed)
     for (const uint32_t view : frames_[frame].views) {
         const TiledImage& image = dataset_.views[view].image;
         std::vector<ViewTile> tiles;
-        for (uint32_t y = 0; y < image.tiles_down(); y++)
-            for (uint32_t x = 0; x < image.tiles_across(); x++)
+        for (uint32_t y = 0; y < image.tiles_down(); ++y)
+            for (uint32_t x = 0; x < image.tiles_across(); ++x)
                 if (image.has_tile(x, y)) tiles.push_back({view, static_cast<uint16_t>(x), static_cast<uint16_t>(y)});
-        for (uint32_t i = 0; i < tiles_per_view && i < tiles.size(); i++) {
+        for (uint32_t i = 0; i < tiles_per_view && i < tiles.size(); ++i) {
             std::swap(tiles[i], tiles[i + random() % (tiles.size() - i)]);
             make_room(batch, 1);
             fill(batch, batch.tiles.size() - 1, tiles[i], random);
@@ -162,8 +162,8 @@ void BatchSampler::fill(Batch& batch, size_t number, const ViewTile& tile, std::
     const uint8_t random_rgb[3] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8),
                                    static_cast<uint8_t>(bits >> 16)};
     const glm::vec4 colour = linear_rgb(random_rgb);
-    for (uint32_t y = 0; y < batch.samples; y++)
-        for (uint32_t x = 0; x < batch.samples; x++) {
+    for (uint32_t y = 0; y < batch.samples; ++y)
+        for (uint32_t x = 0; x < batch.samples; ++x) {
             const float right = uniform(random) - 0.5f, down = uniform(random) - 0.5f;
             const size_t index = number * batch.samples * batch.samples + size_t{y} * batch.samples + x;
             batch.tiles[index] = {dataset_.views[tile.view].camera, (tile.x * batch.samples + x) * kTile,
@@ -176,7 +176,7 @@ void BatchSampler::fill(Batch& batch, size_t number, const ViewTile& tile, std::
 void BatchSampler::fill_rays(Batch& batch, size_t index, const View& view, glm::vec4 colour) const {
     const media::Image& plate = dataset_.plates[view.camera];
     const Tile& tile = batch.tiles[index];
-    for (uint32_t i = 0; i < kTilePixels; i++) {
+    for (uint32_t i = 0; i < kTilePixels; ++i) {
         const uint32_t x = (tile.x + i % kTile) / batch.samples, y = (tile.y + i / kTile) / batch.samples;
         glm::vec4 target(0, 0, 0, -1), background = colour;
         if (x < view.image.width() && y < view.image.height() && !view.ignores(x, y)) {

@@ -33,7 +33,7 @@ float prior_of(int row, int column) {
 
 // The mean of all colours becomes neutral.
 void centre(std::vector<CameraColour>& colours) {
-    for (int row = 0; row < 3; row++) {
+    for (int row = 0; row < 3; ++row) {
         glm::dvec4 sum(0);
         for (const CameraColour& colour : colours) sum += glm::dvec4(colour.rows[row] - kNeutralColour.rows[row]);
         const glm::vec4 mean(sum / static_cast<double>(colours.size()));
@@ -43,8 +43,8 @@ void centre(std::vector<CameraColour>& colours) {
 
 void keep_in_bounds(std::vector<CameraColour>& colours) {
     for (CameraColour& colour : colours)
-        for (int row = 0; row < 3; row++)
-            for (int i = 0; i < 4; i++) {
+        for (int row = 0; row < 3; ++row)
+            for (int i = 0; i < 4; ++i) {
                 const glm::vec2 bounds = bounds_of(row, i);
                 colour.rows[row][i] = std::clamp(colour.rows[row][i], bounds.x, bounds.y);
             }
@@ -105,8 +105,8 @@ class Adam {
 
 bool is_bounded(const CameraColour& camera) {
     bool bounded = true;
-    for (int row = 0; row < 3; row++)
-        for (int i = 0; i < 4; i++) {
+    for (int row = 0; row < 3; ++row)
+        for (int i = 0; i < 4; ++i) {
             const glm::vec2 bounds = bounds_of(row, i);
             bounded &= camera.rows[row][i] >= bounds.x && camera.rows[row][i] <= bounds.y;
         }
@@ -129,7 +129,7 @@ glm::dvec3 shown(const CameraColour& camera, glm::vec4 foreground, glm::vec4 bac
 
 CameraColour inverse(const CameraColour& camera) {
     glm::dmat4 affine(1);  // its columns are the rows of the camera
-    for (int row = 0; row < 3; row++) affine[row] = camera.rows[row];
+    for (int row = 0; row < 3; ++row) affine[row] = camera.rows[row];
     assert(glm::determinant(affine) != 0 && "a colour that can be inverted");
     const glm::dmat4 inverted = glm::inverse(affine);
     return {{glm::vec4(inverted[0]), glm::vec4(inverted[1]), glm::vec4(inverted[2])}};
@@ -168,14 +168,14 @@ void CameraColours::learn(const Batch& batch, const std::vector<stage::Camera>& 
     std::vector<CameraColour> by_colour(cameras(), CameraColour{});
     std::vector<float> by_exposure(cameras()), pixels(cameras());
     std::vector<glm::vec2> by_vignette(cameras(), glm::vec2(0));
-    for (size_t tile = 0; tile < batch.tiles.size(); tile++) {
+    for (size_t tile = 0; tile < batch.tiles.size(); ++tile) {
         const uint32_t camera = batch.tiles[tile].camera;
         const float r2 = radius_squared(batch, tile, all_cameras[camera]);
         const float vignette = vignettes.values.empty() ? 1 : vignette_at(vignette_of(vignettes, camera), r2);
         const float exposure =
             exposures.values.empty() ? 1 : std::exp(exposures.values[camera * frames() + batch.frame]);
         float by_scale = 0;  // the tile's colour is scale × the camera's
-        for (int row = 0; row < 3; row++) {
+        for (int row = 0; row < 3; ++row) {
             by_colour[camera].rows[row] += exposure * vignette * tile_gradients[tile].rows[row];
             by_scale += glm::dot(tile_gradients[tile].rows[row], values[camera].rows[row]);
         }
@@ -184,11 +184,11 @@ void CameraColours::learn(const Batch& batch, const std::vector<stage::Camera>& 
         pixels[camera] += static_cast<float>(kTilePixels / (batch.samples * batch.samples));
     }
     const Adam adam(rate, step);
-    for (size_t camera = 0; camera < cameras(); camera++) {
+    for (size_t camera = 0; camera < cameras(); ++camera) {
         const float count = pixels[camera];
         if (count == 0) continue;
-        for (int row = 0; row < 3 && !first.empty(); row++)
-            for (int i = 0; i < 4; i++) {
+        for (int row = 0; row < 3 && !first.empty(); ++row)
+            for (int i = 0; i < 4; ++i) {
                 float& value = values[camera].rows[row][i];
                 const float pull = 2 * count * prior_of(row, i) * (value - kNeutralColour.rows[row][i]);
                 adam.move(value, first[camera].rows[row][i], second[camera].rows[row][i],
@@ -196,7 +196,7 @@ void CameraColours::learn(const Batch& batch, const std::vector<stage::Camera>& 
             }
         if (!exposures.values.empty())
             adam.move(exposures, camera * frames() + batch.frame, by_exposure[camera], count * kGainPrior);
-        for (int i = 0; i < 2 && !vignettes.values.empty(); i++)
+        for (int i = 0; i < 2 && !vignettes.values.empty(); ++i)
             adam.move(vignettes, 2 * camera + static_cast<size_t>(i), by_vignette[camera][i], count * kVignettePrior);
     }
     if (!first.empty()) centre(values);

@@ -27,7 +27,7 @@ std::span<const uint32_t> records_of(const Bytes& bytes, uint32_t words) {
 
 void add(uint32_t* to, const uint32_t* record, uint32_t words) {
     to[1] = std::max(to[1], record[1]);  // weights are not negative, so their bits are in their order
-    for (uint32_t i = 2; i < words; i++)
+    for (uint32_t i = 2; i < words; ++i)
         to[i] = std::bit_cast<uint32_t>(std::bit_cast<float>(to[i]) + std::bit_cast<float>(record[i]));
 }
 
@@ -76,7 +76,7 @@ std::vector<Bytes> divide_records(std::span<const uint32_t> records, uint32_t wo
     std::vector<size_t> sizes(members);
     for (size_t at = 0; at < records.size(); at += words) sizes[records[at] % members] += sizeof(uint32_t) * words;
     std::vector<Bytes> divided(members);
-    for (uint32_t member = 0; member < members; member++) divided[member].reserve(sizes[member]);
+    for (uint32_t member = 0; member < members; ++member) divided[member].reserve(sizes[member]);
     for (size_t at = 0; at < records.size(); at += words) {
         const auto* record = reinterpret_cast<const uint8_t*>(&records[at]);
         Bytes& to = divided[records[at] % members];
@@ -98,7 +98,7 @@ uint32_t take_sums(const std::vector<Bytes>& of_members, uint32_t leaves, uint32
     for (const Bytes& sums : of_members) bytes += sums.size();
     expect_room(room.size() / words, bytes / (sizeof(uint32_t) * words));
     size_t taken = 0;
-    for (size_t member = 0; member < of_members.size(); member++) {
+    for (size_t member = 0; member < of_members.size(); ++member) {
         const std::span<const uint32_t> sums = records_of(of_members[member], words);
         for (size_t at = 0; at < sums.size(); at += words)
             if (sums[at] >= leaves || sums[at] % of_members.size() != member) throw_out_of_step();

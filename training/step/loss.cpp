@@ -24,11 +24,11 @@ namespace {
 
 void load_colours(const Dataset& dataset, const Batch& batch, const LossBatch& loss_batch,
                   const CameraColours& colours) {
-    for (size_t tile = 0; tile < batch.tiles.size(); tile++) {
+    for (size_t tile = 0; tile < batch.tiles.size(); ++tile) {
         const CameraColour colour = colours.of_tile(batch, tile, dataset.cameras[batch.tiles[tile].camera]);
         const CameraColour back = inverse(colour);
         loss_batch.colours.as<CameraColour>()[tile] = colour;
-        for (size_t ray = tile * kTilePixels; ray < (tile + 1) * kTilePixels; ray++) {
+        for (size_t ray = tile * kTilePixels; ray < (tile + 1) * kTilePixels; ++ray) {
             const glm::vec4 target = batch.target[ray];
             if (target.a >= 0) loss_batch.target.as<glm::vec4>()[ray] = glm::vec4(seen(back, target), target.a);
         }
@@ -40,7 +40,7 @@ void load_colours(const Dataset& dataset, const Batch& batch, const LossBatch& l
 void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBatch& rays, const LossBatch& loss_batch,
                 const CameraColours& colours) {
     assert(batch.tiles.size() <= rays.tile_capacity && "more tiles than there is room for");
-    for (size_t i = 0; i < dataset.cameras.size(); i++)
+    for (size_t i = 0; i < dataset.cameras.size(); ++i)
         rays.cameras.as<ShaderCamera>()[i] = render::shader_camera(stage::enlarged(dataset.cameras[i], batch.samples));
     if (batch.tiles.empty()) return;  // of a member of a team, where few tiles are left
     std::memcpy(rays.tiles.mapped, batch.tiles.data(), batch.tiles.size() * sizeof(Tile));

@@ -87,7 +87,7 @@ LeafUse read_use(const gpu::Device& device, const LeafTally& tally, const voctre
 void write_use(const gpu::Device& device, const LeafTally& tally, const LeafUse& use) {
     assert(use.max_weight.size() == use.opacity_sensitivity.size() && "use of one tree");
     std::vector<glm::vec2> pairs;
-    for (size_t i = 0; i < use.max_weight.size(); i++) pairs.push_back({use.max_weight[i], use.opacity_sensitivity[i]});
+    for (size_t i = 0; i < use.max_weight.size(); ++i) pairs.push_back({use.max_weight[i], use.opacity_sensitivity[i]});
     gpu::upload(device, tally.use, pairs.data(), pairs.size() * sizeof(glm::vec2));
     gpu::upload(device, tally.frames, use.frames.data(), use.frames.size() * sizeof(uint32_t));
 }

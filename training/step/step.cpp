@@ -93,7 +93,7 @@ void TrainingStep::submit(const StepSettings& settings) {
 StepResult summed_losses(const glm::vec4* sums, uint32_t tiles) {
     StepResult result;
     double pixels = 0;
-    for (uint32_t i = 0; i < tiles; i++) {
+    for (uint32_t i = 0; i < tiles; ++i) {
         result.rgb_loss += static_cast<double>(sums[i].x);
         result.grad_loss += static_cast<double>(sums[i].y);
         pixels += static_cast<double>(sums[i].z);

@@ -37,7 +37,7 @@ std::vector<T> gather_values(const Team& team, const T& own) {
     if (team.is_alone()) return {own};
     std::vector<T> values(team.size);
     const std::vector<Bytes> all = team.gather({reinterpret_cast<const uint8_t*>(&own), sizeof(T)});
-    for (size_t i = 0; i < values.size(); i++) {
+    for (size_t i = 0; i < values.size(); ++i) {
         if (all.at(i).size() != sizeof(T)) throw_out_of_step();
         std::memcpy(&values[i], all[i].data(), sizeof(T));
     }

@@ -33,10 +33,10 @@ void empty_thin_leaves(voctree::VOctree& tree) {
     if (!voctree::has_basis_per_frame(tree)) return;
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             const float thin = thin_sigma(tree, positions[i].depth);
             float* sigma = tree.leaf(static_cast<uint32_t>(i));
-            for (uint32_t c = 0; c < tree.bases; c++)
+            for (uint32_t c = 0; c < tree.bases; ++c)
                 if (sigma[c] <= thin) sigma[c] = 0;
         }
     });
@@ -47,14 +47,14 @@ void make_compact(voctree::VOctree& tree) {
     const bool basis_per_frame = voctree::has_basis_per_frame(tree);
     const Steps steps = basis_per_frame ? kBasisPerFrame : kSharedBases;
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             float* leaf = tree.leaf(static_cast<uint32_t>(i));
-            for (uint32_t c = 0; c < bases; c++) {
+            for (uint32_t c = 0; c < bases; ++c) {
                 const bool empty = basis_per_frame && leaf[c] <= 0;
                 leaf[c] = empty ? 0 : rounded_share(leaf[c], steps.sigma_share);
                 leaf[bases + c] = empty ? 0 : voctree::rounded_to(leaf[bases + c], steps.gamma);
             }
-            for (uint32_t w = 2 * bases; w < tree.weights_per_leaf(); w++)
+            for (uint32_t w = 2 * bases; w < tree.weights_per_leaf(); ++w)
                 leaf[w] = voctree::rounded_to(leaf[w], steps.colour);
         }
     });

@@ -37,9 +37,9 @@ std::optional<Candidate> candidate_of(const std::vector<Silhouette>& silhouettes
     const size_t most = tolerance == Tolerance::kNone ? 0 : allowed_errors(silhouettes.size());
     Candidate candidate{cell, {}, 0};
     size_t matter = 0;
-    for (uint32_t i = 0; i < silhouettes.size(); i++) {
+    for (uint32_t i = 0; i < silhouettes.size(); ++i) {
         const Verdict verdict = judge(silhouettes[i], cell);
-        if (verdict == Verdict::kMatter) matter++;
+        if (verdict == Verdict::kMatter) ++matter;
         if (verdict != Verdict::kBackground) continue;
         if (candidate.against.size() == most) return {};
         candidate.against.push_back(i);
@@ -55,7 +55,7 @@ std::vector<Candidate> candidates_in(const std::vector<Silhouette>& silhouettes,
     const std::vector<HullCell> cells = grid_cells(box, grid);
     std::vector<std::optional<Candidate>> found(cells.size());
     parallel_for(cells.size(), 4096, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) found[i] = candidate_of(silhouettes, cells[i], tolerance);
+        for (size_t i = begin; i < end; ++i) found[i] = candidate_of(silhouettes, cells[i], tolerance);
     });
     std::vector<Candidate> candidates;
     for (std::optional<Candidate>& candidate : found)
@@ -126,7 +126,7 @@ std::vector<bool> MatteComparison::covered_by_hull(const Silhouette& silhouette)
 bool MatteComparison::explains_nearly_all() const {
     std::vector<uint8_t> unexplained(silhouettes_.size());
     parallel_for(silhouettes_.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             const std::vector<bool> covered = covered_by_hull(silhouettes_[i]);
             const TiledImage& image = dataset_.views[silhouettes_[i].view].image;
             image.for_each_kept([&](uint32_t x, uint32_t y, const uint8_t* rgba) {
@@ -140,9 +140,9 @@ bool MatteComparison::explains_nearly_all() const {
 // Whether a candidate outside the hull is missed by more images than can be wrong.
 bool MatteComparison::is_missed(const Candidate& candidate, const std::vector<PixelSums>& unexplained) const {
     size_t missing = 0;
-    for (uint32_t i = 0; i < silhouettes_.size(); i++) {
+    for (uint32_t i = 0; i < silhouettes_.size(); ++i) {
         const std::optional<PixelRectangle> image = image_of(silhouettes_[i], candidate.cell);
-        if (image && unexplained[i].count(*image) > 0) missing++;
+        if (image && unexplained[i].count(*image) > 0) ++missing;
     }
     return missing > candidate.allowed;
 }
@@ -153,11 +153,11 @@ std::optional<DoubtfulMatte> MatteComparison::doubt_next() {
     size_t body = 0;
     for (const Candidate& candidate : candidates_) {
         if (in_hull(candidate)) {
-            body++;
+            ++body;
         } else if (is_missed(candidate, unexplained)) {
-            body++;
+            ++body;
             for (const uint32_t i : candidate.against)
-                if (!doubted_[i]) emptied[i]++;
+                if (!doubted_[i]) ++emptied[i];
         }
     }
     const auto worst = static_cast<size_t>(std::max_element(emptied.begin(), emptied.end()) - emptied.begin());
@@ -170,7 +170,7 @@ std::optional<DoubtfulMatte> MatteComparison::doubt_next() {
 void ignore_background(View& view, const std::vector<bool>& covered) {
     view.ignored.resize(covered.size());
     media::Image image = view.image.whole();
-    for (size_t i = 0; i < covered.size(); i++) {
+    for (size_t i = 0; i < covered.size(); ++i) {
         uint8_t& alpha = image.rgba[4 * i + 3];
         if (!covered[i] || alpha >= kMatteThreshold) continue;
         view.ignored[i] = true;

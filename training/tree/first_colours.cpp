@@ -29,20 +29,20 @@ std::vector<glm::vec3> first_colours(const Dataset& dataset, const std::vector<g
     const TraceSpan span("first colours");
     const size_t times = dataset.times.size(), words = (times + 31) / 32;
     std::vector<glm::vec4> sums(positions.size(), glm::vec4(0));
-    for (size_t i = 0; i < std::min(kTimes, times); i++) {
+    for (size_t i = 0; i < std::min(kTimes, times); ++i) {
         const size_t t = i * times / std::min(kTimes, times);
         for (const View& view : dataset.views) {
             if (view.time != dataset.times[t]) continue;
             const glm::dmat4 camera_from_world = glm::inverse(dataset.cameras[view.camera].world_from_camera);
             parallel_for(positions.size(), 4096, [&](size_t begin, size_t end) {
-                for (size_t k = begin; k < end; k++)
+                for (size_t k = begin; k < end; ++k)
                     if (allowed[k * words + t / 32] >> t % 32 & 1)
                         sums[k] += colour_seen_at(dataset, view, camera_from_world, positions[k]);
             });
         }
     }
     std::vector<glm::vec3> colours(positions.size());
-    for (size_t k = 0; k < positions.size(); k++)
+    for (size_t k = 0; k < positions.size(); ++k)
         colours[k] = sums[k].a > 0 ? glm::vec3(sums[k]) / sums[k].a : glm::vec3(0.5f);
     return colours;
 }

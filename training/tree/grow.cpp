@@ -36,7 +36,7 @@ HullCell hull_cell(const voctree::VOctree& tree, const voctree::LeafPosition& po
 }
 
 void append_children(std::vector<voctree::LeafPosition>& positions, const voctree::LeafPosition& position) {
-    for (uint32_t i = 0; i < 8; i++)
+    for (uint32_t i = 0; i < 8; ++i)
         positions.push_back(
             {2 * position.x + (i & 1), 2 * position.y + (i >> 1 & 1), 2 * position.z + (i >> 2), position.depth + 1});
 }
@@ -65,10 +65,10 @@ Carved keep_allowed(const Dataset& dataset, const voctree::VOctree& tree,
                     const std::vector<voctree::LeafPosition>& positions, uint32_t finest, double margin) {
     const size_t words = hull_words(dataset);
     std::vector<HullCell> cells(positions.size());
-    for (size_t i = 0; i < positions.size(); i++) cells[i] = hull_cell(tree, positions[i], finest, margin);
+    for (size_t i = 0; i < positions.size(); ++i) cells[i] = hull_cell(tree, positions[i], finest, margin);
     const std::vector<uint32_t> bits = carve(dataset, cells);
     Carved kept;
-    for (size_t i = 0; i < positions.size(); i++) {
+    for (size_t i = 0; i < positions.size(); ++i) {
         if (!any_bit(&bits[i * words], words)) continue;
         kept.positions.push_back(positions[i]);
         kept.bits.insert(kept.bits.end(), &bits[i * words], &bits[i * words] + words);
@@ -84,7 +84,7 @@ float density_of(const voctree::VOctree& tree, uint32_t depth, float optical_dep
 // The bits of carve(), one per time of the data set, as one bit per frame of the tree.
 std::vector<uint32_t> frame_bits(const Dataset& dataset, uint32_t frames, const uint32_t* bits) {
     std::vector<uint32_t> result((frames + 31) / 32);
-    for (size_t i = 0; i < dataset.times.size(); i++) {
+    for (size_t i = 0; i < dataset.times.size(); ++i) {
         if (!(bits[i / 32] >> i % 32 & 1)) continue;
         const double frame = frame_of_time(dataset.times[i], frames);
         for (const double near : {std::floor(frame), std::ceil(frame)})
@@ -98,7 +98,7 @@ void fit_to_hull(const Dataset& dataset, const voctree::VOctree& tree, const Car
                  std::vector<float>& values) {
     const auto allowed = frame_bits(dataset, tree.frames, &carved.bits[i * hull_words(dataset)]);
     const float below = -density_of(tree, carved.positions[i].depth, kForbiddenOpacity);
-    for (size_t t = 0; t < values.size(); t++)
+    for (size_t t = 0; t < values.size(); ++t)
         if (!(allowed[t / 32] >> t % 32 & 1)) values[t] = std::min(values[t], below);
 }
 
@@ -114,17 +114,17 @@ void set_initial_weights(const Dataset& dataset, voctree::VOctree& tree, const C
     const float sigma = density_of(tree, carved.positions[0].depth, kInitialOpacity);
     tree.weights.assign(size_t{tree.leaf_count} * tree.weights_per_leaf(), 0);
     std::vector<glm::vec3> centres(tree.leaf_count);
-    for (size_t i = 0; i < centres.size(); i++) centres[i] = hull_cell(tree, carved.positions[i], 0).centre;
+    for (size_t i = 0; i < centres.size(); ++i) centres[i] = hull_cell(tree, carved.positions[i], 0).centre;
     const std::vector<glm::vec3> colours = first_colours(dataset, centres, carved.bits);
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
         std::vector<float> values(tree.frames);
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             std::fill(values.begin(), values.end(), sigma);
             fit_to_hull(dataset, tree, carved, i, values);
             float* leaf = tree.leaf(static_cast<uint32_t>(i));
             solver.solve(values.data(), leaf);
             std::copy(gamma.begin(), gamma.end(), leaf + tree.bases);
-            for (uint32_t channel = 0; channel < 3; channel++)
+            for (uint32_t channel = 0; channel < 3; ++channel)
                 leaf[2 * tree.bases + channel * hh_count(tree.hh_degree)] =
                     constant_weight(colours[i][static_cast<int>(channel)]);
         }
@@ -153,7 +153,7 @@ std::vector<bool> select_divided(const Dataset& dataset, const voctree::VOctree&
                                  const GrowSettings& settings) {
     std::vector<uint32_t> selected;
     const bool by_sensitivity = settings.divide_share < 1;
-    for (uint32_t i = 0; i < positions.size(); i++) {
+    for (uint32_t i = 0; i < positions.size(); ++i) {
         if (by_sensitivity && use.opacity_sensitivity[i] <= 0) continue;
         if (may_divide(dataset, tree, positions[i], use.max_weight[i], settings)) selected.push_back(i);
     }
@@ -178,7 +178,7 @@ void fit_to_use(const voctree::VOctree& tree, const LeafUse& use, uint32_t paren
                 std::vector<float>& values) {
     if (tree.bases < tree.frames) return;
     const float below = -density_of(tree, depth, kForbiddenOpacity);
-    for (uint32_t t = 0; t < tree.frames; t++)
+    for (uint32_t t = 0; t < tree.frames; ++t)
         if (!(use.frames[size_t{t / 32} * tree.leaf_count + parent] >> t % 32 & 1))
             values[t] = std::min(values[t], below);
 }
@@ -186,7 +186,7 @@ void fit_to_use(const voctree::VOctree& tree, const LeafUse& use, uint32_t paren
 // Which leaves are not removed.
 std::vector<bool> select_kept(const std::vector<float>& max_weight, const GrowSettings& settings) {
     std::vector<uint32_t> selected;
-    for (uint32_t i = 0; i < max_weight.size(); i++)
+    for (uint32_t i = 0; i < max_weight.size(); ++i)
         if (max_weight[i] >= settings.prune_below) selected.push_back(i);
     if (settings.max_leaves > 0 && selected.size() > settings.max_leaves) {
         std::stable_sort(selected.begin(), selected.end(),
@@ -208,7 +208,7 @@ voctree::VOctree same_shape(const voctree::VOctree& tree) {
 
 uint32_t depth_of_resolution(uint32_t resolution) {
     uint32_t depth = 1;
-    while ((1u << depth) < resolution) depth++;
+    while ((1u << depth) < resolution) ++depth;
     return depth;
 }
 
@@ -253,12 +253,12 @@ voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t 
     const uint32_t target = std::max(depth - std::min(levels_above, depth - 1), 1u);
     const uint32_t start = std::min(kFirstDepth, target);
     std::vector<voctree::LeafPosition> positions;
-    for (uint32_t z = 0; z < 1u << start; z++)
-        for (uint32_t y = 0; y < 1u << start; y++)
-            for (uint32_t x = 0; x < 1u << start; x++) positions.push_back({x, y, z, start});
+    for (uint32_t z = 0; z < 1u << start; ++z)
+        for (uint32_t y = 0; y < 1u << start; ++y)
+            for (uint32_t x = 0; x < 1u << start; ++x) positions.push_back({x, y, z, start});
     remove_empty(grid, tree, positions);
     Carved carved = keep_allowed(dataset, tree, positions, depth, shape.hull_margin);
-    for (uint32_t at = start; at < target; at++) {
+    for (uint32_t at = start; at < target; ++at) {
         std::vector<voctree::LeafPosition> finer;
         for (const voctree::LeafPosition& position : carved.positions) append_children(finer, position);
         remove_empty(grid, tree, finer);
@@ -279,7 +279,7 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
     const std::vector<bool> stays = select_kept(use.max_weight, settings);
     std::vector<voctree::LeafPosition> grown, children;
     std::vector<uint32_t> parents, origins;  // the leaf from which each of `grown` and `children` comes
-    for (uint32_t i = 0; i < positions.size(); i++) {
+    for (uint32_t i = 0; i < positions.size(); ++i) {
         if (!stays[i]) continue;
         if (divided[i]) {
             append_children(children, positions[i]);
@@ -307,7 +307,7 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
     const BasisSolver solver(tree.sigma_basis, tree.frames, tree.bases);
     parallel_for(grown.size(), 1024, [&](size_t begin, size_t end) {
         std::vector<float> values(tree.frames);
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             const float* parent = tree.leaf(parents[i]);
             float* leaf = result.leaf(static_cast<uint32_t>(i));
             std::memcpy(leaf, parent, sizeof(float) * tree.weights_per_leaf());

@@ -61,19 +61,19 @@ template <typename Visit>
 void for_each_neighbour(uint32_t cell, const Visit& visit) {
     constexpr uint32_t side = kBoxGrid;
     const uint32_t x = cell % side, y = cell / side % side, z = cell / side / side;
-    for (uint32_t k = z - std::min(z, 1u); k <= std::min(z + 1, side - 1); k++)
-        for (uint32_t j = y - std::min(y, 1u); j <= std::min(y + 1, side - 1); j++)
-            for (uint32_t i = x - std::min(x, 1u); i <= std::min(x + 1, side - 1); i++)
+    for (uint32_t k = z - std::min(z, 1u); k <= std::min(z + 1, side - 1); ++k)
+        for (uint32_t j = y - std::min(y, 1u); j <= std::min(y + 1, side - 1); ++j)
+            for (uint32_t i = x - std::min(x, 1u); i <= std::min(x + 1, side - 1); ++i)
                 visit((k * side + j) * side + i);
 }
 
 Parts find_parts(std::vector<uint16_t> witnesses, size_t least, size_t enough) {
     Parts parts;
-    for (uint32_t seed = 0; seed < witnesses.size(); seed++) {
+    for (uint32_t seed = 0; seed < witnesses.size(); ++seed) {
         if (witnesses[seed] < least) continue;
         std::vector<uint32_t> part = {seed};
         size_t most = std::exchange(witnesses[seed], uint16_t{0});
-        for (size_t i = 0; i < part.size(); i++)
+        for (size_t i = 0; i < part.size(); ++i)
             for_each_neighbour(part[i], [&](uint32_t neighbour) {
                 if (witnesses[neighbour] < least) return;
                 most = std::max<size_t>(most, std::exchange(witnesses[neighbour], uint16_t{0}));
@@ -89,7 +89,7 @@ Parts find_parts(std::vector<uint16_t> witnesses, size_t least, size_t enough) {
 std::vector<PixelSums> find_unexplained(const Dataset& dataset, const std::vector<Silhouette>& silhouettes,
                                         const std::vector<HullCell>& cells, const Parts& parts) {
     std::vector<HullCell> sure;
-    for (size_t p = 0; p < parts.cells.size(); p++)
+    for (size_t p = 0; p < parts.cells.size(); ++p)
         if (parts.sure[p])
             for (const uint32_t cell : parts.cells[p]) sure.push_back(cells[cell]);
     return unexplained_pixels(dataset, silhouettes, sure);
@@ -98,7 +98,7 @@ std::vector<PixelSums> find_unexplained(const Dataset& dataset, const std::vecto
 // Whether an image that shows all of a cell has a pixel there that is not explained without it.
 bool is_needed(const std::vector<Silhouette>& silhouettes, const std::vector<PixelSums>& unexplained,
                const HullCell& cell) {
-    for (size_t i = 0; i < silhouettes.size(); i++) {
+    for (size_t i = 0; i < silhouettes.size(); ++i) {
         const std::optional<PixelRectangle> image = image_of(silhouettes[i], cell);
         if (image && unexplained[i].count(*image) > 0) return true;
     }
@@ -115,13 +115,13 @@ void mark_matter(const Dataset& dataset, double time, const std::vector<HullCell
     parallel_for(cells.size(), 4096, [&](size_t begin, size_t end) {
         const std::span<const HullCell> part(&cells[begin], end - begin);
         const std::vector<Witnesses> found = count_witnesses(silhouettes, part);
-        for (size_t i = begin; i < end; i++) witnesses[i] = found[i - begin].whole;
+        for (size_t i = begin; i < end; ++i) witnesses[i] = found[i - begin].whole;
     });
     const Parts parts = find_parts(std::move(witnesses), min_witnesses(silhouettes), third);
     const bool all_sure = std::all_of(parts.sure.begin(), parts.sure.end(), [](bool sure) { return sure; });
     const std::vector<PixelSums> unexplained =
         all_sure ? std::vector<PixelSums>() : find_unexplained(dataset, silhouettes, cells, parts);
-    for (size_t p = 0; p < parts.cells.size(); p++) {
+    for (size_t p = 0; p < parts.cells.size(); ++p) {
         const std::vector<uint32_t>& part = parts.cells[p];
         if (parts.sure[p] || std::any_of(part.begin(), part.end(), [&](uint32_t cell) {
                 return is_needed(silhouettes, unexplained, cells[cell]);
@@ -134,7 +134,7 @@ void mark_matter(const Dataset& dataset, double time, const std::vector<HullCell
 Box box_around(const Box& grid, const std::vector<HullCell>& cells, const std::vector<bool>& matter) {
     const glm::dvec3 half = 0.5 * (grid.second - grid.first) / static_cast<double>(kBoxGrid);
     Box box{grid.second, grid.first};
-    for (size_t i = 0; i < cells.size(); i++) {
+    for (size_t i = 0; i < cells.size(); ++i) {
         if (!matter[i]) continue;
         box.first = glm::min(box.first, glm::dvec3(cells[i].centre) - half);
         box.second = glm::max(box.second, glm::dvec3(cells[i].centre) + half);
@@ -152,7 +152,7 @@ MatterGrid find_matter(const Dataset& dataset) {
     const TraceSpan span("find the matter");
     MatterGrid grid;
     grid.tight_box = first_box(dataset);
-    for (int round = 0; round < 2; round++) {
+    for (int round = 0; round < 2; ++round) {
         grid.box = grid.tight_box;
         const std::vector<HullCell> cells = grid_cells(grid.box, kBoxGrid);
         grid.matter.assign(cells.size(), false);
@@ -172,9 +172,9 @@ bool MatterGrid::overlaps(const Box& other) const {
     if (glm::any(glm::greaterThan(a, glm::dvec3(kBoxGrid))) || glm::any(glm::lessThan(b, glm::dvec3(0)))) return false;
     const glm::ivec3 low = glm::clamp(glm::ivec3(glm::floor(a)), glm::ivec3(0), last);
     const glm::ivec3 high = glm::clamp(glm::ivec3(glm::floor(b)), glm::ivec3(0), last);
-    for (int z = low.z; z <= high.z; z++)
-        for (int y = low.y; y <= high.y; y++)
-            for (int x = low.x; x <= high.x; x++)
+    for (int z = low.z; z <= high.z; ++z)
+        for (int y = low.y; y <= high.y; ++y)
+            for (int x = low.x; x <= high.x; ++x)
                 if (matter[static_cast<size_t>((z * int{kBoxGrid} + y) * int{kBoxGrid} + x)]) return true;
     return false;
 }

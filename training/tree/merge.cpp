@@ -33,13 +33,13 @@ uint64_t parent_key(const voctree::LeafPosition& position) {
 
 std::vector<Family> complete_families(const std::vector<voctree::LeafPosition>& positions) {
     std::vector<std::pair<uint64_t, uint32_t>> keyed(positions.size());
-    for (uint32_t i = 0; i < positions.size(); i++) keyed[i] = {parent_key(positions[i]), i};
+    for (uint32_t i = 0; i < positions.size(); ++i) keyed[i] = {parent_key(positions[i]), i};
     std::sort(keyed.begin(), keyed.end());
     std::vector<Family> families;
-    for (size_t i = 0; i + 8 <= keyed.size(); i++) {
+    for (size_t i = 0; i + 8 <= keyed.size(); ++i) {
         if (keyed[i].first != keyed[i + 7].first || positions[keyed[i].second].depth < 2) continue;
         Family& family = families.emplace_back();
-        for (size_t j = 0; j < 8; j++) family.leaves[j] = keyed[i + j].second;
+        for (size_t j = 0; j < 8; ++j) family.leaves[j] = keyed[i + j].second;
         i += 7;
     }
     return families;
@@ -51,7 +51,7 @@ bool was_used(const LeafUse& use, uint32_t leaf, uint32_t frame) {
 
 Shares users(const LeafUse& use, const Siblings& leaves, uint32_t frame) {
     Shares shares;
-    for (size_t i = 0; i < 8; i++) shares[i] = was_used(use, leaves[i], frame) ? 1.0f : 0.0f;
+    for (size_t i = 0; i < 8; ++i) shares[i] = was_used(use, leaves[i], frame) ? 1.0f : 0.0f;
     return shares;
 }
 
@@ -73,9 +73,9 @@ glm::vec3 colour_of(const voctree::VOctree& tree, const float* leaf, uint32_t fr
     // H_n00 = U_n(cos γ) H_000, with Chebyshev polynomials U_n of the second kind (errata 1, 2). Its number among the
     // functions is hh_count(n − 1).
     float before = 0, here = 1;
-    for (uint32_t n = 0; n <= tree.hh_degree; n++) {
+    for (uint32_t n = 0; n <= tree.hh_degree; ++n) {
         const float* function = leaf + 2 * tree.bases + (n == 0 ? 0 : hh_count(n - 1));
-        for (uint32_t channel = 0; channel < 3; channel++)
+        for (uint32_t channel = 0; channel < 3; ++channel)
             value[static_cast<int>(channel)] += kConstantH * here * function[channel * hh_count(tree.hh_degree)];
         before = std::exchange(here, 2 * cosine * here - before);
     }
@@ -85,8 +85,8 @@ glm::vec3 colour_of(const voctree::VOctree& tree, const float* leaf, uint32_t fr
 // How much of each sibling was seen: its opacity, summed over the frames that used it.
 Shares seen_shares(const voctree::VOctree& tree, const LeafUse& use, const Siblings& leaves, float edge_m) {
     Shares seen{};
-    for (size_t i = 0; i < 8; i++)
-        for (uint32_t frame = 0; frame < tree.frames; frame++)
+    for (size_t i = 0; i < 8; ++i)
+        for (uint32_t frame = 0; frame < tree.frames; ++frame)
             if (was_used(use, leaves[i], frame)) seen[i] += opacity_of(tree, tree.leaf(leaves[i]), frame, edge_m);
     return seen;
 }
@@ -95,7 +95,7 @@ Shares seen_shares(const voctree::VOctree& tree, const LeafUse& use, const Sibli
 float mean_weight(const voctree::VOctree& tree, const Siblings& leaves, uint32_t weight, const Shares& shares) {
     const bool shared = any(shares);
     float sum = 0, total = 0;
-    for (size_t i = 0; i < 8; i++) {
+    for (size_t i = 0; i < 8; ++i) {
         const float share = shared ? shares[i] : 1;
         sum += share * tree.leaf(leaves[i])[weight];
         total += share;
@@ -108,7 +108,7 @@ float mean_weight(const voctree::VOctree& tree, const Siblings& leaves, uint32_t
 std::vector<float> parent_of(const voctree::VOctree& tree, const LeafUse& use, bool basis_per_frame,
                              const Siblings& leaves, const Shares& seen) {
     std::vector<float> parent(tree.weights_per_leaf());
-    for (uint32_t w = 0; w < parent.size(); w++) {
+    for (uint32_t w = 0; w < parent.size(); ++w) {
         const bool is_gamma = w >= tree.bases && w < 2 * tree.bases;
         const Shares shares = w < tree.bases                ? Shares{}
                               : is_gamma && basis_per_frame ? users(use, leaves, w - tree.bases)
@@ -127,7 +127,7 @@ bool looks_alike(const voctree::VOctree& tree, const LeafUse& use, const Family&
     const float* parent = family.parent.data();
     const float opacity = opacity_of(tree, parent, frame, edge_m);
     const glm::vec3 colour = colour_of(tree, parent, frame);
-    for (size_t i = 0; i < 8; i++) {
+    for (size_t i = 0; i < 8; ++i) {
         const float* leaf = tree.leaf(family.leaves[i]);
         const float leaf_opacity = opacity_of(tree, leaf, frame, edge_m);
         if (std::abs(leaf_opacity - opacity) > within) return false;
@@ -141,13 +141,13 @@ bool looks_alike(const voctree::VOctree& tree, const LeafUse& use, const Family&
 // Whether colours vary with the direction in the same way: bounds the difference by the functions that depend on the
 // direction; the slope of the sigmoid is at most 1/4.
 bool varies_alike(const voctree::VOctree& tree, const Family& family, const Shares& seen, float within) {
-    for (size_t i = 0; i < 8; i++) {
+    for (size_t i = 0; i < 8; ++i) {
         if (seen[i] <= 0) continue;
-        for (uint32_t channel = 0; channel < 3; channel++) {
+        for (uint32_t channel = 0; channel < 3; ++channel) {
             const uint32_t first = 2 * tree.bases + channel * hh_count(tree.hh_degree);
             float off = 0;
-            for (uint32_t n = 1; n <= tree.hh_degree; n++)
-                for (uint32_t f = first + hh_count(n - 1) + 1; f < first + hh_count(n); f++)
+            for (uint32_t n = 1; n <= tree.hh_degree; ++n)
+                for (uint32_t f = first + hh_count(n - 1) + 1; f < first + hh_count(n); ++f)
                     off += static_cast<float>(n + 1) * std::abs(tree.leaf(family.leaves[i])[f] - family.parent[f]);
             if (off * kConstantH / 4 > within) return false;
         }
@@ -161,7 +161,7 @@ bool agree(const voctree::VOctree& tree, const LeafUse& use, bool basis_per_fram
     const Shares seen = seen_shares(tree, use, family.leaves, edge_m);
     family.parent = parent_of(tree, use, basis_per_frame, family.leaves, seen);
     if (!varies_alike(tree, family, seen, within)) return false;
-    for (uint32_t frame = 0; frame < tree.frames; frame++)
+    for (uint32_t frame = 0; frame < tree.frames; ++frame)
         if (!looks_alike(tree, use, family, frame, edge_m, within)) return false;
     return true;
 }
@@ -171,7 +171,7 @@ std::vector<Family> agreeing_families(const voctree::VOctree& tree, const LeafUs
     std::vector<Family> families = complete_families(positions);
     const bool basis_per_frame = voctree::has_basis_per_frame(tree);
     parallel_for(families.size(), 256, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             const float edge_m = tree.box_size.x / static_cast<float>(1u << positions[families[i].leaves[0]].depth);
             if (!agree(tree, use, basis_per_frame, edge_m, within, families[i])) families[i].parent.clear();
         }
@@ -186,10 +186,10 @@ LeafUse use_after(const LeafUse& use, const std::vector<uint32_t>& origins, cons
     const size_t before = use.max_weight.size(), after = origins.size(),
                  words = before > 0 ? use.frames.size() / before : 0;
     LeafUse result{std::vector<float>(after), std::vector<float>(after), std::vector<uint32_t>(words * after)};
-    for (size_t i = 0; i < after; i++) {
+    for (size_t i = 0; i < after; ++i) {
         const auto take = [&](uint32_t leaf) {
             result.max_weight[i] = std::max(result.max_weight[i], use.max_weight[leaf]);
-            for (size_t word = 0; word < words; word++)
+            for (size_t word = 0; word < words; ++word)
                 result.frames[word * after + i] |= use.frames[word * before + leaf];
         };
         const uint32_t family = family_of[origins[i]];
@@ -209,13 +209,13 @@ size_t merge_alike(voctree::VOctree& tree, LeafUse& use, float within) {
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     const std::vector<Family> families = agreeing_families(tree, use, positions, within);
     std::vector<uint32_t> family_of(tree.leaf_count, kNoFamily);
-    for (uint32_t i = 0; i < families.size(); i++)
+    for (uint32_t i = 0; i < families.size(); ++i)
         for (const uint32_t leaf : families[i].leaves) family_of[leaf] = i;
 
     std::vector<voctree::LeafPosition> positions_after;
     std::vector<const float*> weights;
     std::vector<uint32_t> origins;
-    for (uint32_t i = 0; i < tree.leaf_count; i++) {
+    for (uint32_t i = 0; i < tree.leaf_count; ++i) {
         const uint32_t family = family_of[i];
         if (family != kNoFamily && families[family].leaves[0] != i) continue;
         const voctree::LeafPosition& position = positions[i];

@@ -18,8 +18,8 @@ constexpr float kRevivedDepth = 0.2f;  // optical depth over the leaf's edge
 std::vector<uint32_t> live_frames(const voctree::VOctree& tree, size_t words) {
     std::vector<uint32_t> live(words * tree.leaf_count);
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
-        for (size_t leaf = begin; leaf < end; leaf++)
-            for (uint32_t t = 0; t < tree.frames; t++)
+        for (size_t leaf = begin; leaf < end; ++leaf)
+            for (uint32_t t = 0; t < tree.frames; ++t)
                 if (tree.leaf(static_cast<uint32_t>(leaf))[t] > 0) live[leaf * words + t / 32] |= 1u << t % 32;
     });
     return live;
@@ -30,7 +30,7 @@ std::array<uint32_t, 6> neighbours(const voctree::VOctree& tree, const voctree::
     std::array<uint32_t, 6> found{};
     const double edge = std::exp2(-static_cast<double>(position.depth));
     const glm::dvec3 middle = (glm::dvec3(position.x, position.y, position.z) + 0.5) * edge;
-    for (int face = 0; face < 6; face++) {
+    for (int face = 0; face < 6; ++face) {
         glm::dvec3 beyond = middle;
         beyond[face / 2] += (face % 2 ? 0.5 : -0.5) * edge * (1 + 1e-6);
         found[static_cast<size_t>(face)] = voctree::find_leaf(tree, beyond);
@@ -62,10 +62,10 @@ size_t revive_holes(voctree::VOctree& tree) {
     std::atomic<size_t> revived = 0;
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
         size_t found = 0;
-        for (size_t leaf = begin; leaf < end; leaf++) {
+        for (size_t leaf = begin; leaf < end; ++leaf) {
             const std::array<uint32_t, 6> adjacent = neighbours(tree, positions[leaf]);
             const float sigma = kRevivedDepth * static_cast<float>(1u << positions[leaf].depth) / tree.box_size.x;
-            for (size_t word = 0; word < words; word++) {
+            for (size_t word = 0; word < words; ++word) {
                 uint32_t holes = at_least_four(adjacent, live, words, word) & ~live[leaf * words + word];
                 found += static_cast<size_t>(std::popcount(holes));
                 for (; holes; holes &= holes - 1) {

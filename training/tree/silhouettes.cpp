@@ -24,8 +24,8 @@ Silhouette make_silhouette(const Dataset& dataset, uint32_t index) {
     });
     if (view.ignored.empty()) return silhouette;
     silhouette.ignored = PixelSums(width, height, [&](const auto& add) {
-        for (uint32_t y = 0; y < height; y++)
-            for (uint32_t x = 0; x < width; x++)
+        for (uint32_t y = 0; y < height; ++y)
+            for (uint32_t x = 0; x < width; ++x)
                 if (view.ignores(x, y)) add(x, y);
     });
     return silhouette;
@@ -75,11 +75,11 @@ Verdict verdict_of(const Silhouette& silhouette, const Seen& seen) {
 
 std::vector<Silhouette> silhouettes_at(const Dataset& dataset, double time) {
     std::vector<uint32_t> views;
-    for (uint32_t i = 0; i < dataset.views.size(); i++)
+    for (uint32_t i = 0; i < dataset.views.size(); ++i)
         if (dataset.views[i].time == time) views.push_back(i);
     std::vector<Silhouette> silhouettes(views.size());
     parallel_for(views.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) silhouettes[i] = make_silhouette(dataset, views[i]);
+        for (size_t i = begin; i < end; ++i) silhouettes[i] = make_silhouette(dataset, views[i]);
     });
     return silhouettes;
 }
@@ -98,16 +98,16 @@ std::vector<bool> covered_pixels(const Silhouette& silhouette, const std::vector
         const Seen seen = seen_of(silhouette, cell);
         if (seen.is_empty()) continue;
         const PixelRectangle& r = seen.part;
-        differences[r.y0 * stride + r.x0]++;
-        differences[r.y0 * stride + r.x1]--;
-        differences[r.y1 * stride + r.x0]--;
-        differences[r.y1 * stride + r.x1]++;
+        ++differences[r.y0 * stride + r.x0];
+        --differences[r.y0 * stride + r.x1];
+        --differences[r.y1 * stride + r.x0];
+        ++differences[r.y1 * stride + r.x1];
     }
     std::vector<bool> covered(size_t{width} * height);
     std::vector<int32_t> counts(width);
-    for (uint32_t y = 0; y < height; y++) {
+    for (uint32_t y = 0; y < height; ++y) {
         int32_t row = 0;
-        for (uint32_t x = 0; x < width; x++) {
+        for (uint32_t x = 0; x < width; ++x) {
             row += differences[y * stride + x];
             counts[x] += row;
             covered[size_t{y} * width + x] = counts[x] > 0;
@@ -120,7 +120,7 @@ std::vector<PixelSums> unexplained_pixels(const Dataset& dataset, const std::vec
                                           const std::vector<HullCell>& cells) {
     std::vector<PixelSums> unexplained(silhouettes.size());
     parallel_for(silhouettes.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
+        for (size_t i = begin; i < end; ++i) {
             const std::vector<bool> covered = covered_pixels(silhouettes[i], cells);
             const TiledImage& image = dataset.views[silhouettes[i].view].image;
             unexplained[i] = PixelSums(image.width(), image.height(), [&](const auto& add) {
@@ -145,13 +145,13 @@ std::vector<Witnesses> count_witnesses(const std::vector<Silhouette>& silhouette
     for (const Silhouette& silhouette : silhouettes) {
         // First the pixels of all cells: they do not wait for what is read of the image, so that a processor computes
         // those of several cells at a time.
-        for (size_t k = 0; k < possible.size(); k++) seen[k] = seen_of(silhouette, cells[possible[k]]);
+        for (size_t k = 0; k < possible.size(); ++k) seen[k] = seen_of(silhouette, cells[possible[k]]);
         size_t left = 0;
-        for (size_t k = 0; k < possible.size(); k++) {
+        for (size_t k = 0; k < possible.size(); ++k) {
             const uint32_t i = possible[k];
             const Verdict verdict = verdict_of(silhouette, seen[k]);
-            if (verdict == Verdict::kMatter) witnesses[i].whole++;
-            if (verdict == Verdict::kMatter || verdict == Verdict::kMatterInPart) witnesses[i].all++;
+            if (verdict == Verdict::kMatter) ++witnesses[i].whole;
+            if (verdict == Verdict::kMatter || verdict == Verdict::kMatterInPart) ++witnesses[i].all;
             if (verdict == Verdict::kBackground) witnesses[i] = {};
             possible[left] = i;
             left += verdict == Verdict::kBackground ? 0 : 1;

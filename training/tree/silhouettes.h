@@ -29,9 +29,9 @@ struct PixelSums {
     PixelSums(uint32_t width, uint32_t height, const Visit& visit) : stride(size_t{width} + 1) {
         sums.resize(stride * (size_t{height} + 1));
         visit([this](uint32_t x, uint32_t y) { sums[(y + size_t{1}) * stride + x + 1] = 1; });
-        for (uint32_t y = 1; y <= height; y++) {
+        for (uint32_t y = 1; y <= height; ++y) {
             uint32_t row = 0;
-            for (uint32_t x = 1; x <= width; x++) {
+            for (uint32_t x = 1; x <= width; ++x) {
                 row += sums[y * stride + x];
                 sums[y * stride + x] = sums[(y - 1) * stride + x] + row;
             }

@@ -156,7 +156,7 @@ void ClipFiles::read_ahead(std::vector<Wanted> wanted) {
         if (wanted_.empty() && wanted.empty()) return;
         wanted_.assign(wanted.begin(), wanted.end());
         if (threads_.empty())
-            for (uint32_t i = 0; i <= stream::frames_at_once(); i++) threads_.emplace_back([this, i] { run(i > 0); });
+            for (uint32_t i = 0; i <= stream::frames_at_once(); ++i) threads_.emplace_back([this, i] { run(i > 0); });
     }
     changed_.notify_all();
 }

@@ -30,7 +30,7 @@ void ClipPreload::expect_read() const {
 void ClipPreload::run(const Each& each, const std::function<void()>& done) {
     name_trace_thread("reads new clips");
     try {
-        for (size_t i = 0; i < clips_.size(); i++) {
+        for (size_t i = 0; i < clips_.size(); ++i) {
             read(clips_[i]);
             prepare_passes();
             if (each && i + 1 < clips_.size()) each(i + 1);

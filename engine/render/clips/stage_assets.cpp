@@ -100,7 +100,7 @@ namespace {
 
 // Calls load(path, layer) for the performer's visible layers, the lowest first. An InputError gets the layer's place.
 void for_visible_layers(const stage::Stage& stage, const stage::StagePerformer& performer, const auto& load) {
-    for (size_t i = 0; i < performer.settings.paint.size(); i++) {
+    for (size_t i = 0; i < performer.settings.paint.size(); ++i) {
         const stage::PaintLayer& layer = performer.settings.paint[i];
         if (!layer.visible || layer.opacity <= 0) continue;
         const std::string place = fmt::format("\"{}\": paint layer {}", performer.name, i);
@@ -161,7 +161,7 @@ void StageLoader::load_paint(const stage::Stage& stage, StageAssets& assets) {
         if (known == clip.layers.end()) clip.layers.push_back(std::move(folders));
     }
     for (ClipOnDevice& clip : assets.clips)
-        for (size_t i = 0; i < clip.segments.size(); i++) {
+        for (size_t i = 0; i < clip.segments.size(); ++i) {
             ClipOnDevice::Segment& segment = clip.segments[i];
             if (!segment.loaded) continue;
             segment.paints = files_->read_paints(clip.index.segments[i], *segment.loaded, clip.layers);

@@ -40,9 +40,9 @@ StageClips::StageClips(const StageAssets& assets)
       files_(assets.files),
       problems_(assets.problems),
       shown_(assets.paint.size()) {
-    for (uint32_t clip = 0; clip < clips_.size(); clip++) {
+    for (uint32_t clip = 0; clip < clips_.size(); ++clip) {
         const auto segments = static_cast<uint32_t>(clips_[clip].segments.size());
-        for (uint32_t i = 0; i < segments && segments > 1; i++) {
+        for (uint32_t i = 0; i < segments && segments > 1; ++i) {
             const Id id{clip, i};
             ids_[file_of(id).file].push_back(id);
             if (at(id).loaded) on_device_.insert(id);
@@ -65,7 +65,7 @@ void StageClips::go_on_from(const StageClips& before) {
             if (one.segment == id.segment) return one;
         return std::nullopt;
     };
-    for (size_t i = 0; i < std::min(shown_.size(), before.shown_.size()); i++)
+    for (size_t i = 0; i < std::min(shown_.size(), before.shown_.size()); ++i)
         if (const auto& shown = before.shown_[i])
             if (const std::optional<Id> id = now(shown->id)) shown_[i] = Shown{*id, shown->frame};
     for (const Id& id : before.recent_)
@@ -254,7 +254,7 @@ std::set<StageClips::Id> StageClips::chosen(const std::vector<Id>& needed, const
     for (uint32_t& one : room) one = std::max(one, kLeastSegmentsAhead);
     for (const std::vector<Id>* list : {&ahead, &recent_})
         for (const Id& id : *list)
-            if (room[id.clip] > 0 && at(id).readable && chosen.insert(id).second) room[id.clip]--;
+            if (room[id.clip] > 0 && at(id).readable && chosen.insert(id).second) --room[id.clip];
     return chosen;
 }
 

@@ -39,7 +39,7 @@ void PerformerPicks::begin(StageRenderer& renderer, const stage::EvaluatedStage&
         const glm::dmat4 performer_from_world = glm::inverse(performer.world_from_performer);
         Begun begun{performer.performer, {}, {}};
         std::vector<PickRay> to_pick;
-        for (size_t i = 0; i < rays.size(); i++) {
+        for (size_t i = 0; i < rays.size(); ++i) {
             if (!box_hit(rays[i], performer.world_from_performer, low, high)) continue;
             const LocalRay local = local_ray(rays[i], performer_from_world);
             begun.rays.push_back(i);
@@ -56,8 +56,8 @@ std::vector<std::optional<PickedPerformer>> PerformerPicks::take(StageRenderer& 
     const std::vector<Begun> begun = std::exchange(begun_, {});
     const std::vector<std::vector<Picked>> found = renderer.frames().take_picks();
     assert(found.size() == begun.size() && "one PerformerPicks at a time for a renderer");
-    for (size_t k = 0; k < begun.size(); k++)
-        for (size_t i = 0; i < begun[k].rays.size(); i++)
+    for (size_t k = 0; k < begun.size(); ++k)
+        for (size_t i = 0; i < begun[k].rays.size(); ++i)
             keep_nearer(picked[begun[k].rays[i]], begun[k].performer, found[k][i], begun[k].world_per_local[i]);
     return picked;
 }

@@ -38,7 +38,7 @@ std::vector<glm::vec4> download_halves(const gpu::Device& device, const gpu::Buf
     std::vector<uint16_t> halves(from.bytes / 2);
     gpu::download(device, from, halves.data(), from.bytes);
     std::vector<glm::vec4> colours(halves.size() / 4);
-    for (size_t i = 0; i < halves.size(); i++)
+    for (size_t i = 0; i < halves.size(); ++i)
         colours[i / 4][static_cast<int>(i % 4)] = voctree::float_from_half(halves[i]);
     return colours;
 }
@@ -154,7 +154,7 @@ std::vector<Instance> StageRenderer::instances_at(std::span<const double> times_
 
 bool StageRenderer::awaits(const std::filesystem::path& file) const {
     for (const ClipOnDevice& clip : clips_.clips())
-        for (size_t i = 0; i < clip.segments.size(); i++)
+        for (size_t i = 0; i < clip.segments.size(); ++i)
             if (clip.index.segments[i].file == file && clip.segments[i].readable && !clip.segments[i].loaded)
                 return true;
     return false;
@@ -171,7 +171,7 @@ std::shared_ptr<const Field> StageRenderer::find_field(const std::filesystem::pa
 
 StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, const StageAssets& assets) const {
     NextPaints next;
-    for (size_t i = 0; i < stage.performers.size(); i++) {
+    for (size_t i = 0; i < stage.performers.size(); ++i) {
         next.of_performer.push_back({assets.clips[stage.performers[i].clip].first, assets.paint[i]});
         const PaintKey& key = next.of_performer.back();
         if (key.layers.empty() || paint_numbers_.contains(key) || next.new_paints.contains(key)) continue;
@@ -190,7 +190,7 @@ uint32_t StageRenderer::number_of(const Field& field) const {
 void StageRenderer::apply_paints(const stage::Stage& stage, NextPaints next) {
     std::map<PaintKey, uint32_t> numbers;
     paints_.clear();
-    for (size_t i = 0; i < stage.performers.size(); i++) {
+    for (size_t i = 0; i < stage.performers.size(); ++i) {
         const PaintKey& key = next.of_performer[i];
         const auto [number, is_new] = numbers.try_emplace(key, 0);
         if (is_new && !key.layers.empty()) {
@@ -289,7 +289,7 @@ media::LinearImage StageRenderer::linear_image_of(const stage::Camera& camera, c
     std::vector<glm::vec4> light = frames_->radiance();
     std::vector<float> metres = frames_->depth();
     const stage::Camera rays = stage::enlarged(camera, capacity_.samples);
-    for (size_t i = 0; i < light.size(); i++) {
+    for (size_t i = 0; i < light.size(); ++i) {
         const float alpha = light[i].a, through = std::isinf(set.axis_m[i]) ? 0.0f : 1 - alpha;
         const float set_metres = set.axis_m[i] / axis_per_ray(rays, {i % rays.width, i / rays.width});
         if (through > 0)

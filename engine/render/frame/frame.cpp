@@ -102,7 +102,7 @@ void FrameRenderer::record_merged(std::span<const DrawnInstance> group, const Fr
     const auto groups = static_cast<uint32_t>(
         std::count_if(drawn_.begin(), drawn_.end(), [](const auto& drawn) { return drawn.size() > 1; }));
     const uint64_t bands = segments_->bands(groups), all = layout_.ray_tiles();
-    for (uint64_t band = 0; band < bands; band++) {
+    for (uint64_t band = 0; band < bands; ++band) {
         const TileSpan tiles{static_cast<uint32_t>(all * band / bands),
                              static_cast<uint32_t>(all * (band + 1) / bands)};
         if (tiles.first == tiles.end) continue;

@@ -71,7 +71,7 @@ PassValues read_tile_range(const FrameRenderer& renderer) {
     PassValues tiles = of_tiles(renderer);
     if (renderer.drawn().empty()) return tiles;
     const auto ranges = first_of<glm::uvec2>(renderer.device(), renderer.ranges().ranges, tiles.values.size());
-    for (size_t tile = 0; tile < ranges.size(); tile++)
+    for (size_t tile = 0; tile < ranges.size(); ++tile)
         if (ranges[tile].x != kNoTile)
             tiles.values[tile] = std::bit_cast<float>(bound == Bound::kNear ? ranges[tile].x : ~ranges[tile].y);
     return tiles;
@@ -81,7 +81,7 @@ PassValues read_tile_list(const FrameRenderer& renderer) {
     PassValues tiles = of_tiles(renderer);
     if (renderer.drawn().empty()) return tiles;
     const auto list = first_of<uint32_t>(renderer.device(), renderer.ranges().list, renderer.layout().ray_tiles());
-    for (size_t i = 0; i < list.size(); i++)
+    for (size_t i = 0; i < list.size(); ++i)
         if (list[i] < tiles.values.size()) tiles.values[list[i]] = static_cast<float>(i);
     return tiles;
 }
@@ -106,7 +106,7 @@ template <gpu::Buffer SetRaster::*buffer>
 PassValues read_set_light(const FrameRenderer& renderer) {
     PassValues texels = of_texels(renderer);
     const auto halves = first_of<glm::u16vec4>(renderer.device(), renderer.set()->*buffer, texels.values.size());
-    for (size_t i = 0; i < halves.size(); i++) {
+    for (size_t i = 0; i < halves.size(); ++i) {
         const auto channel = [&](int c) { return voctree::float_from_half(halves[i][c]); };
         if (channel(3) > 0) texels.values[i] = luminance({channel(0), channel(1), channel(2), channel(3)});
     }
@@ -125,7 +125,7 @@ PassValues read_set_metres(const FrameRenderer& renderer) {
 
 std::vector<uint32_t> shadow_maps(const SetRaster& set) {
     std::vector<uint32_t> maps;
-    for (uint32_t i = 0; i < set.lights().count; i++)
+    for (uint32_t i = 0; i < set.lights().count; ++i)
         if (set.lights().light[i].shadow != kNoShadow) maps.push_back(set.lights().light[i].shadow);
     return maps;
 }
@@ -136,9 +136,9 @@ template <typename Value>
 PassValues beside_each_other(const std::vector<uint32_t>& maps, uint32_t side, const Value& value) {
     PassValues texels{side * std::max(static_cast<uint32_t>(maps.size()), 1u), side, {}};
     texels.values.assign(size_t{texels.width} * side, kNothing);
-    for (uint32_t m = 0; m < maps.size(); m++)
-        for (uint32_t y = 0; y < side; y++)
-            for (uint32_t x = 0; x < side; x++)
+    for (uint32_t m = 0; m < maps.size(); ++m)
+        for (uint32_t y = 0; y < side; ++y)
+            for (uint32_t x = 0; x < side; ++x)
                 texels.values[size_t{y} * texels.width + m * side + x] = value((size_t{maps[m]} * side + y) * side + x);
     return texels;
 }
@@ -195,7 +195,7 @@ constexpr std::array kPasses = {
 glm::vec3 viridis(float at) {
     const glm::vec4 terms[] = {kViridis0, kViridis1, kViridis2, kViridis3, kViridis4, kViridis5, kViridis6};
     glm::vec4 sum(0);
-    for (int i = 6; i >= 0; i--) sum = terms[i] + at * sum;
+    for (int i = 6; i >= 0; --i) sum = terms[i] + at * sum;
     return glm::clamp(glm::vec3(sum), 0.0f, 1.0f);
 }
 
@@ -224,14 +224,14 @@ std::optional<std::pair<float, float>> range_of(const PassValues& values) {
 media::Image colour_mapped(const PassValues& values, std::pair<float, float> range) {
     media::Image image(values.width, values.height);
     const float span = range.second > range.first ? range.second - range.first : 1;
-    for (size_t i = 0; i < values.values.size(); i++) {
+    for (size_t i = 0; i < values.values.size(); ++i) {
         uint8_t* pixel = &image.rgba[4 * i];
         if (std::isnan(values.values[i])) {
             std::fill_n(pixel, 4, uint8_t{0});
             continue;
         }
         const glm::vec3 colour = viridis(std::clamp((values.values[i] - range.first) / span, 0.0f, 1.0f));
-        for (int c = 0; c < 3; c++) pixel[c] = static_cast<uint8_t>(std::lround(255 * colour[c]));
+        for (int c = 0; c < 3; ++c) pixel[c] = static_cast<uint8_t>(std::lround(255 * colour[c]));
         pixel[3] = 255;
     }
     return image;

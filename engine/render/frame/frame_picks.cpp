@@ -13,7 +13,7 @@ std::pair<Performer*, uint32_t> FrameRenderer::built_slice(const Instance& insta
     if (instance.field >= levels_.given()) return nearest;
     float away = kPickedNear;
     const auto levels = 1 + static_cast<uint32_t>(levels_.all[instance.field]->coarser.size());
-    for (uint32_t level = 0; level < levels; level++) {
+    for (uint32_t level = 0; level < levels; ++level) {
         const uint32_t index = levels_.index(instance.field, level);
         if (index >= performers_.size() || !performers_[index] || !performers_[index]->slices()) continue;
         const auto built = performers_[index]->slices()->nearest_built({instance.frame, instance.paint});

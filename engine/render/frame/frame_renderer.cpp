@@ -92,7 +92,7 @@ void FrameRenderer::change_fields(std::vector<const Field*> fields, uint32_t sha
     std::vector<std::unique_ptr<Paints>> paints(next.all.size());
     std::vector<std::unique_ptr<Performer>> performers(next.all.size());
     performers_.resize(levels_.all.size());
-    for (size_t i = 0; i < next.all.size(); i++) {
+    for (size_t i = 0; i < next.all.size(); ++i) {
         const auto before = std::find(levels_.all.begin(), levels_.all.end(), next.all[i]);
         if (before == levels_.all.end()) {
             paints[i] = std::make_unique<Paints>(device_, *next.all[i]);
@@ -129,7 +129,7 @@ void FrameRenderer::check_settings(std::span<const stage::Camera> cameras, const
                                              camera.height, settings.width, settings.height));
     assert(settings.scale > 0 && settings.scale <= 1);
     assert(settings.foveae.empty() || settings.foveae.size() == cameras.size());
-    for (size_t i = 0; i < settings.instances.size(); i++) {
+    for (size_t i = 0; i < settings.instances.size(); ++i) {
         const double volume = glm::determinant(glm::dmat3(settings.instances[i].world_from_performer));
         if (!std::isfinite(settings.instances[i].frame))
             throw RuntimeFailure(fmt::format("instance {}: its frame is not finite", i));
@@ -150,7 +150,7 @@ void FrameRenderer::make_grids(const FrameSettings& settings, uint32_t views) {
     grids_.clear();
     if (!upscaled) return;
     assert(settings.samples == 1);
-    for (uint32_t view = 0; view < views; view++) {
+    for (uint32_t view = 0; view < views; ++view) {
         const Fovea fovea = settings.foveae.empty() ? Fovea{} : settings.foveae[view];
         grids_.push_back(ray_grid(settings.width, settings.height, settings.scale, fovea));
         layout_.rays = glm::max(layout_.rays, grids_.back().rays);
@@ -188,7 +188,7 @@ std::vector<std::vector<uint32_t>> FrameRenderer::instance_order(std::span<const
     glm::dvec3 eye(0);
     for (const glm::dvec3& one : eyes) eye += one / static_cast<double>(eyes.size());
     std::vector<std::pair<double, uint32_t>> by_distance;
-    for (uint32_t i = 0; i < boxes.size(); i++) by_distance.emplace_back(glm::distance(eye, boxes[i].middle), i);
+    for (uint32_t i = 0; i < boxes.size(); ++i) by_distance.emplace_back(glm::distance(eye, boxes[i].middle), i);
     std::sort(by_distance.begin(), by_distance.end());
     std::vector<std::vector<uint32_t>> order;
     for (const auto& [distance, i] : by_distance) order.push_back({i});
@@ -215,7 +215,7 @@ void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, cons
             one->rays.stop = settings.stop;
             if (set_) one->rays.set_size = layout_.samples * glm::uvec2(layout_.width, layout_.height);
             if (set_ && settings.lit) one->rays.lighting = kLit | (instance.receives_shadow ? kShadowed : 0u);
-            placed++;
+            ++placed;
             if (is_inspection(settings.resolve.show))
                 drawn_.push_back({inspected(*one)});
             else
@@ -243,11 +243,11 @@ std::unique_ptr<Performer> FrameRenderer::make_performer(uint32_t index) const {
 // performers.
 void FrameRenderer::make_performers(bool far_levels) {
     performers_.resize(levels_.all.size());
-    for (uint32_t i = 0; i < levels_.given(); i++)
+    for (uint32_t i = 0; i < levels_.given(); ++i)
         if (!performers_[i]) performers_[i] = make_performer(i);
     if (!far_levels || far_levels_fit_) return;
     try {
-        for (uint32_t i = levels_.given(); i < levels_.all.size(); i++)
+        for (uint32_t i = levels_.given(); i < levels_.all.size(); ++i)
             if (!performers_[i]) performers_[i] = make_performer(i);
         far_levels_fit_ = true;
     } catch (const RuntimeFailure& error) {
@@ -255,7 +255,7 @@ void FrameRenderer::make_performers(bool far_levels) {
         if (vulkan && (vulkan->device_lost() || capacity_.slice_budget > 1)) throw;
         far_levels_fit_ = false;
         wait_for_device();  // picks may read their slices
-        for (uint32_t i = levels_.given(); i < levels_.all.size(); i++) performers_[i].reset();
+        for (uint32_t i = levels_.given(); i < levels_.all.size(); ++i) performers_[i].reset();
     }
 }
 
@@ -272,7 +272,7 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
         for (const DrawnInstance& instance : shadows_->drawn) slices[instance.field].push_back(instance.slice());
     for (const Instance& one : settings.next_instances)
         if (one.field < next.size()) next[one.field].push_back({one.frame, one.paint});
-    for (size_t i = 0; i < performers_.size(); i++) {
+    for (size_t i = 0; i < performers_.size(); ++i) {
         if (!performers_[i]) continue;
         if (performers_[i]->replaces_slices(slices[i])) wait_for_device();
         performers_[i]->prepare(slices[i], next[i]);

@@ -34,7 +34,7 @@ void FrameRenderer::record_segments(std::span<const DrawnInstance> instances, co
     record_merge_begin(commands(), *segments_);
     gpu::fill(commands(), target_.ranges.sharing, 2);
     gpu::compute_barrier(commands());
-    for (size_t i = 0; i < instances.size(); i++) {
+    for (size_t i = 0; i < instances.size(); ++i) {
         DrawnInstance instance = instances[i];
         instance.rays.tiles = tiles;
         record_instance(commands(), *performers_[instance.field], kEyeTarget, instance, layout_);
@@ -55,8 +55,8 @@ void FrameRenderer::take_band(std::span<const DrawnInstance> instances, const Ti
     std::vector<glm::uvec4> texels((pages_after.back() + size_t{1}) * kPageWords);
     gpu::download(device_, segments_->pages(), texels.data(), texels.size() * sizeof(texels[0]));
     std::vector<RaySegment> segments;
-    for (uint32_t tile = tiles.first; tile < tiles.end; tile++)
-        for (uint32_t i = 0; i < kTilePixels; i++) {
+    for (uint32_t tile = tiles.first; tile < tiles.end; ++tile)
+        for (uint32_t i = 0; i < kTilePixels; ++i) {
             const uint32_t first = heads.as<uint32_t>()[size_t{tile - tiles.first} * kTilePixels + i];
             if (first == 0) continue;
             segments.clear();

@@ -17,7 +17,7 @@ bool FrameRenderer::overflowed(uint32_t slot) const {
 // Makes more room for what had too little in finished images. No image may be under way.
 void FrameRenderer::enlarge() {
     const auto in_any = [](const auto& what) {
-        for (uint32_t slot = 0; slot < kImagesUnderWay; slot++)
+        for (uint32_t slot = 0; slot < kImagesUnderWay; ++slot)
             if (what.overflowed(slot)) return true;
         return false;
     };
@@ -78,7 +78,7 @@ bool FrameRenderer::finish(uint32_t slot) {
 
 bool FrameRenderer::finish() {
     bool whole = true;
-    for (uint32_t i = 1; i <= kImagesUnderWay; i++)  // the oldest first
+    for (uint32_t i = 1; i <= kImagesUnderWay; ++i)  // the oldest first
         whole &= finish((slot_ + i) % kImagesUnderWay);
     finish_picks();
     if (!whole) enlarge();
@@ -106,7 +106,7 @@ std::vector<media::Image> FrameRenderer::render_views(std::span<const stage::Cam
     draw_to(Destination::kHost, cameras, settings, {});
     std::vector<media::Image> images;
     const uint8_t* from = readback_.as<uint8_t>();
-    for (size_t view = 0; view < cameras.size(); view++) {
+    for (size_t view = 0; view < cameras.size(); ++view) {
         media::Image& image = images.emplace_back(settings.width, settings.height);
         std::memcpy(image.rgba.data(), from, image.rgba.size());
         from += image.rgba.size();

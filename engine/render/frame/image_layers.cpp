@@ -50,13 +50,13 @@ void ImageLayers::add(glm::uvec2 ray, std::span<const RaySegment> segments) {
 void ImageLayers::finish_rows(uint32_t end) {
     constexpr size_t kGrain = 16;
     const size_t of_pixel = size_t{samples_} * samples_;
-    for (; next_row_ < end; next_row_++) {
+    for (; next_row_ < end; ++next_row_) {
         RowOfRays row = std::move(rows_[next_row_]);
         rows_.erase(next_row_);
         row.resize(of_pixel * camera_.width);
         std::vector<Pixel> pixels(camera_.width);
         parallel_for(pixels.size(), kGrain, [&](size_t first, size_t last) {
-            for (size_t x = first; x < last; x++)
+            for (size_t x = first; x < last; ++x)
                 pixels[x] =
                     pixel_of({static_cast<uint32_t>(x), next_row_}, std::span(row).subspan(of_pixel * x, of_pixel));
         });
@@ -86,7 +86,7 @@ void ImageLayers::add_set(MergedRay& ray, size_t index) const {
 ImageLayers::Pixel ImageLayers::pixel_of(glm::uvec2 at, std::span<const std::vector<RaySegment>> rays) const {
     std::vector<std::vector<RayStretch>> stretches;
     std::vector<media::IdRank> ranks;
-    for (uint32_t i = 0; i < rays.size(); i++) {
+    for (uint32_t i = 0; i < rays.size(); ++i) {
         const glm::uvec2 ray = samples_ * at + glm::uvec2(i % samples_, i / samples_);
         MergedRay merged = merge_segments(rays[i], stop_);
         const float to_axis = axis_per_ray(rays_, ray);

@@ -69,8 +69,8 @@ std::vector<DeepKnot> mean_of(std::span<const std::vector<RayStretch>> rays) {
     depths.erase(std::unique(depths.begin(), depths.end()), depths.end());
     const std::vector<DeepKnot> ends = mean_at(depths, rays);
     const size_t count = depths.size();
-    for (size_t i = 1; i < ends.size(); i++)
-        for (int part = 1; part < kParts && ends[i - 1].through - ends[i].through > kMuch; part++)
+    for (size_t i = 1; i < ends.size(); ++i)
+        for (int part = 1; part < kParts && ends[i - 1].through - ends[i].through > kMuch; ++part)
             depths.push_back(glm::mix(ends[i - 1].m, ends[i].m, static_cast<float>(part) / kParts));
     if (depths.size() == count) return ends;
     std::sort(depths.begin(), depths.end());
@@ -88,7 +88,7 @@ Piece piece_of(std::span<const DeepKnot> knots, size_t first, size_t last) {
     Piece piece{first, last};
     const DeepKnot &from = knots[first], &to = knots[last];
     if (!(from.through > 0)) return piece;
-    for (size_t i = first + 1; i < last; i++) {
+    for (size_t i = first + 1; i < last; ++i) {
         const float part = (knots[i].m - from.m) / (to.m - from.m);
         const float error = std::abs(knots[i].through - from.through * std::pow(to.through / from.through, part));
         if (error > piece.error) piece = {first, last, i, error};

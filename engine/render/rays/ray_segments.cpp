@@ -40,7 +40,7 @@ using Cursor = std::span<const RaySegment>;
 std::vector<Cursor> cursors_of(std::span<const RaySegment> segments) {
     std::vector<Cursor> cursors;
     for (size_t begin = 0, end = 0; begin < segments.size(); begin = end) {
-        while (end < segments.size() && segments[end].instance == segments[begin].instance) end++;
+        while (end < segments.size() && segments[end].instance == segments[begin].instance) ++end;
         cursors.push_back(segments.subspan(begin, end - begin));
     }
     return cursors;
@@ -102,7 +102,7 @@ void read_segments(const SegmentPages& pages, uint32_t first, std::vector<RaySeg
             const glm::uvec4* texels = &pages.texels[size_t{page} * kPageWords];
             const bool last = (texels[0].x & kLastPage) != 0;
             const uint32_t count = last ? texels[0].x & ~kLastPage : kPageSegments;
-            for (uint32_t i = 1; i <= count; i++) {
+            for (uint32_t i = 1; i <= count; ++i) {
                 segments.push_back(segment_of(texels[i], light));
                 segments.back().instance = instance;
                 segments.back().performer = pages.performers[instance];

@@ -37,7 +37,7 @@ RangeView range_view(const ShaderCamera& camera) {
 double pixels_covered(const RangeView& view, glm::dvec2 image, glm::vec3 box_min, glm::vec3 box_max) {
     glm::dvec2 low(1e30), high(-1e30);
     uint32_t behind = 0;
-    for (uint32_t i = 0; i < 8; i++) {
+    for (uint32_t i = 0; i < 8; ++i) {
         const glm::bvec3 upper(i & 1, i & 2, i & 4);
         const glm::dvec3 from_eye(glm::mix(box_min, box_max, upper) - glm::vec3(view.eye));
         const auto along = [&](glm::vec4 row) { return glm::dot(glm::dvec3(row), from_eye); };

@@ -44,14 +44,14 @@ std::vector<T> rows_of_view(const gpu::Device& device, const gpu::Buffer& rays, 
     const auto place = [&](const T* values, uint64_t tile) {
         const auto left = static_cast<uint32_t>(tile % across * kTile),
                    top = static_cast<uint32_t>(tile / across * kTile);
-        for (uint32_t y = 0; y < kTile && top + y < height; y++)
+        for (uint32_t y = 0; y < kTile && top + y < height; ++y)
             std::copy_n(values + y * kTile, std::min<uint32_t>(kTile, width - left),
                         &rows[size_t{top + y} * width + left]);
     };
     gpu::download_pieces(device, rays, (first + tiles) * kTileBytes,
                          [&](const void* piece, uint64_t at, uint64_t bytes) {
                              static_assert(gpu::kStagedPiece % kTileBytes == 0);
-                             for (uint64_t i = 0; i < bytes / kTileBytes; i++)
+                             for (uint64_t i = 0; i < bytes / kTileBytes; ++i)
                                  if (const uint64_t tile = at / kTileBytes + i; tile >= first)
                                      place(static_cast<const T*>(piece) + i * kTilePixels, tile - first);
                          });

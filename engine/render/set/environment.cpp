@@ -26,10 +26,10 @@ Level linear_level(const media::Image& image) {
     while (image.width / block > kMaxWidth) block *= 2;
     Level level{std::max(1u, image.width / block), std::max(1u, image.height / block), {}};
     level.texels.reserve(size_t{level.width} * level.height);
-    for (uint32_t y = 0; y < level.height; y++)
-        for (uint32_t x = 0; x < level.width; x++) {
+    for (uint32_t y = 0; y < level.height; ++y)
+        for (uint32_t x = 0; x < level.width; ++x) {
             glm::vec3 sum(0);
-            for (uint32_t i = 0; i < block * block; i++) {
+            for (uint32_t i = 0; i < block * block; ++i) {
                 const uint8_t* pixel = image.at(std::min(x * block + i % block, image.width - 1),
                                                 std::min(y * block + i / block, image.height - 1));
                 sum += glm::vec3(media::linear_from_srgb_byte(pixel[0]), media::linear_from_srgb_byte(pixel[1]),
@@ -42,10 +42,10 @@ Level linear_level(const media::Image& image) {
 
 Level halved(const Level& from) {
     Level to{std::max(1u, from.width / 2), std::max(1u, from.height / 2), {}};
-    for (uint32_t y = 0; y < to.height; y++)
-        for (uint32_t x = 0; x < to.width; x++) {
+    for (uint32_t y = 0; y < to.height; ++y)
+        for (uint32_t x = 0; x < to.width; ++x) {
             glm::vec3 sum(0);
-            for (uint32_t i = 0; i < 4; i++)
+            for (uint32_t i = 0; i < 4; ++i)
                 sum += from.texels[size_t{std::min(2 * y + i / 2, from.height - 1)} * from.width +
                                    std::min(2 * x + i % 2, from.width - 1)];
             to.texels.push_back(sum / 4.0f);
@@ -76,19 +76,19 @@ Irradiance irradiance_of(const Level& level) {
     Irradiance sums{};
     const uint32_t parts = std::max(1u, (kMinRows + level.height - 1) / level.height);  // of a texel, along each axis
     const uint32_t rows = parts * level.height, columns = parts * level.width;
-    for (uint32_t row = 0; row < rows; row++) {
+    for (uint32_t row = 0; row < rows; ++row) {
         const double band = std::cos(kPi * row / rows) - std::cos(kPi * (row + 1) / rows);
         const double solid_angle = band * 2 * kPi / columns;
-        for (uint32_t column = 0; column < columns; column++) {
+        for (uint32_t column = 0; column < columns; ++column) {
             const glm::dvec3 n = environment_direction((column + 0.5) / columns, (row + 0.5) / rows);
             const glm::dvec3 light =
                 solid_angle * glm::dvec3(level.texels[size_t{row / parts} * level.width + column / parts]);
             const double basis[9] = {
                 1, n.y, n.z, n.x, n.x * n.y, n.y * n.z, 3 * n.z * n.z - 1, n.x * n.z, n.x * n.x - n.y * n.y};
-            for (size_t i = 0; i < 9; i++) sums[i] += basis[i] * light;
+            for (size_t i = 0; i < 9; ++i) sums[i] += basis[i] * light;
         }
     }
-    for (size_t i = 0; i < 9; i++) sums[i] *= constants[i] * constants[i] * (i == 0 ? 1.0 : i < 4 ? 2.0 / 3 : 0.25);
+    for (size_t i = 0; i < 9; ++i) sums[i] *= constants[i] * constants[i] * (i == 0 ? 1.0 : i < 4 ? 2.0 / 3 : 0.25);
     return sums;
 }
 
@@ -108,7 +108,7 @@ glm::vec3 blurred(const std::vector<Level>& pyramid, const glm::dvec3& n, double
     const double texel = 4 * kPi / (double{1} * pyramid[0].width * pyramid[0].height);
     glm::dvec3 sum(0);
     double weights = 0;
-    for (uint32_t i = 0; i < samples; i++) {
+    for (uint32_t i = 0; i < samples; ++i) {
         const double u = (i + 0.5) / samples, phi = 2 * kPi * radical_inverse(i);
         const double cos2 = (1 - u) / (1 + (alpha2 - 1) * u), cosine = std::sqrt(cos2), sine = std::sqrt(1 - cos2);
         const glm::dvec3 half = sine * std::cos(phi) * t + sine * std::sin(phi) * b + cosine * n;
@@ -126,7 +126,7 @@ glm::vec3 blurred(const std::vector<Level>& pyramid, const glm::dvec3& n, double
 }
 
 void store(std::vector<uint16_t>& to, size_t texel, const glm::vec3& light) {
-    for (int k = 0; k < 3; k++) to[4 * texel + static_cast<size_t>(k)] = voctree::half_from_float(light[k]);
+    for (int k = 0; k < 3; ++k) to[4 * texel + static_cast<size_t>(k)] = voctree::half_from_float(light[k]);
     to[4 * texel + 3] = voctree::half_from_float(1);
 }
 
@@ -145,13 +145,13 @@ Environment make_environment(const media::Image& image) {
     out.irradiance = irradiance_of(pyramid[0]);
     while (pyramid.back().width > 1 || pyramid.back().height > 1) pyramid.push_back(halved(pyramid.back()));
     size_t count = 1;
-    while (count < pyramid.size() && pyramid[count].height >= kMinHeight) count++;
-    for (size_t i = 0; i < count; i++) {
+    while (count < pyramid.size() && pyramid[count].height >= kMinHeight) ++count;
+    for (size_t i = 0; i < count; ++i) {
         const Level& shape = pyramid[i];
         std::vector<uint16_t>& level = out.levels.emplace_back(4 * shape.texels.size());
         const double roughness = static_cast<double>(i) / static_cast<double>(std::max<size_t>(count - 1, 1));
         parallel_for(shape.texels.size(), 1024, [&](size_t begin, size_t end) {
-            for (size_t texel = begin; texel < end; texel++) {
+            for (size_t texel = begin; texel < end; ++texel) {
                 const double u = (static_cast<double>(texel % shape.width) + 0.5) / shape.width;
                 const double v = (static_cast<double>(texel / shape.width) + 0.5) / shape.height;
                 store(level, texel,

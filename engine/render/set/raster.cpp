@@ -83,7 +83,7 @@ RasterImage Rasterizer::draw(const stage::Camera& camera, double near_m) {
 VkRect2D Rasterizer::visible_part(const glm::dmat4& clip_from_world) const {
     const glm::dvec2 size(width_ / kSupersample, height_ / kSupersample);
     glm::dvec2 low = size, high(0);
-    for (int corner = 0; corner < 8; corner++) {
+    for (int corner = 0; corner < 8; ++corner) {
         const glm::dvec3 point(corner & 1 ? geometry_.high.x : geometry_.low.x,
                                corner & 2 ? geometry_.high.y : geometry_.low.y,
                                corner & 4 ? geometry_.high.z : geometry_.low.z);
@@ -149,7 +149,7 @@ void Rasterizer::begin_rendering(const VkRect2D& part) {
 // Blended materials are drawn after all others and do not write depth. They are drawn in the file's order.
 void Rasterizer::record_draws(const glm::mat4& clip_from_world, bool blended) {
     VkCommandBuffer to = commands_.handle();
-    for (size_t i = 0; i < geometry_.draws.size(); i++) {
+    for (size_t i = 0; i < geometry_.draws.size(); ++i) {
         const SceneDraw& draw = geometry_.draws[i];
         const stage::GltfMaterial& material = material_at(scene_, draw.material);
         if ((material.alpha == stage::GltfAlpha::kBlend) != blended) continue;

@@ -29,7 +29,7 @@ struct MapUvs {
 // Calls visit(node, primitive) for each primitive that is drawn, in the order of SceneGeometry::draws.
 template <typename Visit>
 void for_each_drawn(const stage::GltfScene& scene, const Visit& visit) {
-    for (uint32_t n = 0; n < scene.nodes.size(); n++) {
+    for (uint32_t n = 0; n < scene.nodes.size(); ++n) {
         const stage::GltfNode& node = scene.nodes[n];
         if (!node.draws_mesh()) continue;
         for (const stage::GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(node.mesh)].primitives)
@@ -69,7 +69,7 @@ void upload_fixed(const gpu::Device& device, SceneGeometry& to) {
     indices.reserve(to.index_count);
     for (const SceneDraw& draw : to.draws) {
         const stage::GltfPrimitive& from = *draw.primitive;
-        for (size_t v = 0; v < from.positions.size(); v++)
+        for (size_t v = 0; v < from.positions.size(); ++v)
             fixed.push_back(
                 {from.uvs.empty() ? glm::vec2(0) : from.uvs[v], from.colors.empty() ? glm::vec4(1) : from.colors[v]});
         indices.insert(indices.end(), from.indices.begin(), from.indices.end());
@@ -81,9 +81,9 @@ void upload_fixed(const gpu::Device& device, SceneGeometry& to) {
 void upload_map_uvs(const gpu::Device& device, SceneGeometry& to) {
     std::vector<MapUvs> uvs(to.vertex_count);
     for (const SceneDraw& draw : to.draws)
-        for (size_t map = 0; map < stage::kGltfMaps; map++) {
+        for (size_t map = 0; map < stage::kGltfMaps; ++map) {
             const std::vector<glm::vec2>& from = draw.primitive->map_uvs[map];
-            for (size_t v = 0; v < from.size(); v++) uvs[draw.first_vertex + v].uv[map] = from[v];
+            for (size_t v = 0; v < from.size(); ++v) uvs[draw.first_vertex + v].uv[map] = from[v];
         }
     to.map_uvs = filled(device, "raster map UVs", uvs);
 }
@@ -101,8 +101,8 @@ bool same_vertices(const stage::GltfPrimitive& a, const stage::GltfPrimitive& b)
     bool equal = same(a.positions, b.positions) && same(a.normals, b.normals) && same(a.uvs, b.uvs) &&
                  same(a.tangents, b.tangents) && same(a.colors, b.colors) && same(a.joints, b.joints) &&
                  same(a.weights, b.weights) && same(a.indices, b.indices) && a.targets.size() == b.targets.size();
-    for (size_t map = 0; equal && map < stage::kGltfMaps; map++) equal = same(a.map_uvs[map], b.map_uvs[map]);
-    for (size_t i = 0; equal && i < a.targets.size(); i++)
+    for (size_t map = 0; equal && map < stage::kGltfMaps; ++map) equal = same(a.map_uvs[map], b.map_uvs[map]);
+    for (size_t i = 0; equal && i < a.targets.size(); ++i)
         equal =
             same(a.targets[i].positions, b.targets[i].positions) && same(a.targets[i].normals, b.targets[i].normals);
     return equal;
@@ -124,7 +124,7 @@ void pose_draw(SceneGeometry& geometry, const stage::PosedScene& pose, SceneDraw
     draw.low = glm::vec3(INFINITY);
     draw.high = -draw.low;
     MovingVertex* to = geometry.moving.as<MovingVertex>() + draw.first_vertex;
-    for (size_t v = 0; v < posed.positions.size(); v++) {
+    for (size_t v = 0; v < posed.positions.size(); ++v) {
         to[v] = {posed.positions[v], posed.normals[v]};
         draw.low = glm::min(draw.low, posed.positions[v]);
         draw.high = glm::max(draw.high, posed.positions[v]);
@@ -151,7 +151,7 @@ bool has_vertices_of(const SceneGeometry& geometry, const stage::GltfScene& scen
     bool equal = true;
     for_each_drawn(scene, [&](uint32_t, const stage::GltfPrimitive& primitive) {
         equal = equal && drawn < geometry.draws.size() && same_vertices(*geometry.draws[drawn].primitive, primitive);
-        drawn++;
+        ++drawn;
     });
     return equal && drawn == geometry.draws.size();
 }
@@ -284,7 +284,7 @@ SceneTextures make_textures(const gpu::Device& device) {
 size_t add_texture(const gpu::Device& device, const stage::GltfScene& scene, SceneTextures& textures, int32_t texture,
                    bool srgb) {
     if (texture < 0) return 0;
-    for (size_t i = 1; i < textures.entries.size(); i++)
+    for (size_t i = 1; i < textures.entries.size(); ++i)
         if (textures.entries[i].texture == texture && textures.entries[i].srgb == srgb) return i;
     const stage::GltfTexture& from = scene.textures[static_cast<size_t>(texture)];
     const std::string name = fmt::format("texture {}{}", texture, srgb ? "" : " as numbers");

@@ -23,7 +23,7 @@ glm::dmat4 looking_along(const glm::dvec3& direction, const glm::dvec3& position
 glm::dmat4 directional_matrix(const glm::dvec3& direction, const WorldBox& box) {
     const glm::dmat4 from_world = glm::inverse(looking_along(direction, glm::dvec3(0)));
     glm::dvec3 low(INFINITY), high(-INFINITY);
-    for (int corner = 0; corner < 8; corner++) {
+    for (int corner = 0; corner < 8; ++corner) {
         const glm::dvec3 point(corner & 1 ? box.second.x : box.first.x, corner & 2 ? box.second.y : box.first.y,
                                corner & 4 ? box.second.z : box.first.z);
         const glm::dvec3 in_light(from_world * glm::dvec4(point, 1));
@@ -61,7 +61,7 @@ Irradiance turned(const Irradiance& irradiance, double rotation) {
     const double c = std::cos(rotation), s = std::sin(rotation);
     const glm::dmat3 turn(c, 0, -s, 0, 1, 0, s, 0, c);
     Irradiance out = irradiance;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const auto of = [&](size_t i) { return irradiance[i][k]; };
         // The polynomial as constant + linear · n + nᵀ Q n, where Q is symmetric and has trace 0.
         const glm::dvec3 linear = turn * glm::dvec3(of(3), of(1), of(2));
@@ -70,7 +70,7 @@ Irradiance turned(const Irradiance& irradiance, double rotation) {
         const glm::dmat3 r = turn * q * glm::transpose(turn);
         const double values[] = {linear.y,    linear.z,    linear.x,    2 * r[0][1],
                                  2 * r[1][2], r[2][2] / 2, 2 * r[0][2], (r[0][0] - r[1][1]) / 2};
-        for (size_t i = 1; i < 9; i++) out[i][k] = values[i - 1];
+        for (size_t i = 1; i < 9; ++i) out[i][k] = values[i - 1];
     }
     return out;
 }
@@ -120,7 +120,7 @@ ShaderLights pack_lights(std::span<const SetLight> lights, const SetAmbient& amb
         to.performer_eye = camera.world_from_camera[3];
     }
     const Irradiance rotated = turned(environment, ambient.environment_rotation);
-    for (size_t i = 0; i < rotated.size(); i++)
+    for (size_t i = 0; i < rotated.size(); ++i)
         out.irradiance[i] = glm::vec4(ambient.environment_intensity * rotated[i], 0);
     out.irradiance[0] += glm::vec4(ambient.light, 0);
     out.ambient = glm::vec4(ambient.light, 0);

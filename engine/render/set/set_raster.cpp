@@ -204,7 +204,7 @@ void SetRaster::make_images(uint32_t views) {
     constexpr VkImageUsageFlags kColourUse = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     colours_.resize(views);
     depths_.resize(views);
-    for (uint32_t view = 0; view < views; view++) {
+    for (uint32_t view = 0; view < views; ++view) {
         const std::string of_view = " " + std::to_string(view);
         colours_[view] = gpu::DeviceImage(device_, "set colour" + of_view, {width_, height_, kColour, kColourUse});
         depths_[view] =
@@ -237,17 +237,17 @@ SetRaster::Surfaces SetRaster::make_surfaces(const stage::GltfScene& scene, cons
     Surfaces surfaces;
     surfaces.textures = std::move(textures);
     std::vector<SetMaterial> packed;
-    for (int32_t m = -1; m < static_cast<int32_t>(scene.materials.size()); m++)
+    for (int32_t m = -1; m < static_cast<int32_t>(scene.materials.size()); ++m)
         packed.push_back(packed_material(material_at(scene, m)));
     surfaces.materials = gpu::Buffer(device_, "set materials", packed.size() * sizeof(SetMaterial),
                                      gpu::MemoryKind::kUpload, VK_FORMAT_R32G32B32A32_SFLOAT);
     std::memcpy(surfaces.materials.mapped, packed.data(), packed.size() * sizeof(SetMaterial));
     using Texture = std::pair<const gpu::DeviceImage*, const gpu::Sampler*>;
     const Texture environment_texture{&environment.image, &environment.sampler};
-    for (int32_t m = -1; m < static_cast<int32_t>(scene.materials.size()); m++) {
+    for (int32_t m = -1; m < static_cast<int32_t>(scene.materials.size()); ++m) {
         const stage::GltfMaterial& material = material_at(scene, m);
         std::vector<size_t> entries{add_texture(device_, scene, *surfaces.textures, material.texture, true)};
-        for (size_t map = 0; map < stage::kGltfMaps; map++)
+        for (size_t map = 0; map < stage::kGltfMaps; ++map)
             entries.push_back(add_texture(device_, scene, *surfaces.textures, material.maps[map], is_srgb(map)));
         std::vector<Texture> bound;  // taken once no more entries are added, as adding may move them
         for (const size_t entry : entries)
@@ -329,7 +329,7 @@ void SetRaster::pack() {
     packed_ = pack_lights(given_lights_, ambient_, shadows_, environment_->irradiance, box(), performers_);
     if (!environment_->has_image) packed_.environment.x = 0;
     packed_.environment.y = environment_->last_level;
-    for (uint32_t i = 0; i < packed_.count; i++)
+    for (uint32_t i = 0; i < packed_.count; ++i)
         if (packed_.light[i].shadow != kNoShadow)
             shadows_outdated_ |= i >= before.count || packed_.light[i].shadow != before.light[i].shadow ||
                                  packed_.light[i].clip_from_world != before.light[i].clip_from_world;

@@ -82,7 +82,7 @@ void SetRaster::record_lights(gpu::Commands& commands) const {
 void SetRaster::record_shadows(gpu::Commands& commands) {
     if (!shadows_outdated_ || catcher_floor_m_) return;
     shadows_outdated_ = false;
-    for (uint32_t i = 0; i < packed_.count; i++)
+    for (uint32_t i = 0; i < packed_.count; ++i)
         if (packed_.light[i].shadow != kNoShadow) record_shadow(commands, packed_.light[i]);
     gpu::compute_barrier(commands);
 }
@@ -90,7 +90,7 @@ void SetRaster::record_shadows(gpu::Commands& commands) {
 void SetRaster::record_solid(gpu::Commands& commands, std::span<const stage::Camera> cameras) {
     assert(cameras.size() <= views() && "one camera a view");
     gpu::draw_barrier(commands);
-    for (uint32_t view = 0; view < cameras.size(); view++) record_view(commands, cameras[view], view);
+    for (uint32_t view = 0; view < cameras.size(); ++view) record_view(commands, cameras[view], view);
     gpu::compute_barrier(commands);
 }
 
@@ -98,7 +98,7 @@ void SetRaster::record_transparent(gpu::Commands& commands, std::span<const stag
     if (!has_transparent()) return;
     assert(cameras.size() <= views() && "one camera a view");
     gpu::draw_barrier(commands);
-    for (uint32_t view = 0; view < cameras.size(); view++) record_blended_view(commands, cameras[view], view);
+    for (uint32_t view = 0; view < cameras.size(); ++view) record_blended_view(commands, cameras[view], view);
     gpu::compute_barrier(commands);
 }
 
@@ -199,7 +199,7 @@ void SetRaster::draw_hidden(gpu::Commands& commands, uint32_t view) const {
 // Sorts by the middles of the primitives' boxes, and by the file's order at equal distances.
 void SetRaster::sort_far_to_near(const glm::vec3& eye) {
     order_.clear();
-    for (uint32_t i = 0; i < geometry_.draws.size(); i++) {
+    for (uint32_t i = 0; i < geometry_.draws.size(); ++i) {
         const SceneDraw& one = geometry_.draws[i];
         const float distance = glm::length(0.5f * (one.low + one.high) - eye);
         order_.emplace_back(std::isfinite(distance) ? -distance : 0, i);  // not finite where vertices overflow

@@ -44,10 +44,10 @@ Order order_of(const TransformedBox& a, const TransformedBox& b, std::span<const
     Order order = Order::kNone;
     if (known(b.middle - a.middle, order)) return order;  // true for most pairs
     for (const TransformedBox* box : {&a, &b})
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 3; ++i)
             if (known(glm::cross(box->half[i], box->half[(i + 1) % 3]), order)) return order;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
             if (known(glm::cross(a.half[i], b.half[j]), order)) return order;
     return Order::kNone;
 }
@@ -111,11 +111,11 @@ std::vector<std::vector<uint32_t>> draw_order(std::span<const TransformedBox> bo
                           0,
                           {}};
     std::vector<std::pair<double, uint32_t>> distances;
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count; ++i) {
         double nearest = std::numeric_limits<double>::infinity();
         for (const glm::dvec3& eye : eyes) nearest = std::min(nearest, glm::distance(eye, boxes[i].middle));
         distances.emplace_back(nearest, i);
-        for (uint32_t j = i + 1; j < count; j++) {
+        for (uint32_t j = i + 1; j < count; ++j) {
             const Order order = order_of(boxes[i], boxes[j], eyes);
             components.before[i * count + j] = order == Order::kFirstBefore || order == Order::kNone;
             components.before[j * count + i] = order == Order::kSecondBefore || order == Order::kNone;

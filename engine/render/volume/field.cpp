@@ -23,10 +23,10 @@ constexpr size_t kCachedLeaves = 256;  // whose weights fit in a core's cache
 // Calls visit(index among the leaf's weights, plane, component of the texel) for every weight of a leaf.
 void for_each_weight(const voctree::VOctree& tree, const std::function<void(uint32_t, uint32_t, uint32_t)>& visit) {
     const uint32_t basis_planes = (tree.bases + 3) / 4, functions = hh_count(tree.hh_degree);
-    for (uint32_t kind = 0; kind < 2; kind++)
-        for (uint32_t c = 0; c < tree.bases; c++) visit(kind * tree.bases + c, kind * basis_planes + c / 4, c % 4);
-    for (uint32_t channel = 0; channel < 3; channel++)
-        for (uint32_t f = 0; f < functions; f++)
+    for (uint32_t kind = 0; kind < 2; ++kind)
+        for (uint32_t c = 0; c < tree.bases; ++c) visit(kind * tree.bases + c, kind * basis_planes + c / 4, c % 4);
+    for (uint32_t channel = 0; channel < 3; ++channel)
+        for (uint32_t f = 0; f < functions; ++f)
             visit(2 * tree.bases + channel * functions + f, 2 * basis_planes + f, channel);
 }
 
@@ -42,7 +42,7 @@ std::vector<Number> planes_of(const voctree::VOctree& tree, const Convert& conve
     parallel_for(tree.leaf_count, kCachedLeaves, [&](size_t begin, size_t end) {
         for_each_weight(tree, [&](uint32_t index, uint32_t plane, uint32_t component) {
             Number* to = &planes[size_t{4} * plane * tree.leaf_count + component];
-            for (size_t leaf = begin; leaf < end; leaf++) to[4 * leaf] = convert(tree.weights[leaf * stride + index]);
+            for (size_t leaf = begin; leaf < end; ++leaf) to[4 * leaf] = convert(tree.weights[leaf * stride + index]);
         });
     });
     return planes;
@@ -52,13 +52,13 @@ std::vector<Number> planes_of(const voctree::VOctree& tree, const Convert& conve
 // rows count together.
 uint32_t count_busy_planes(const std::vector<float>& basis, uint32_t frames, uint32_t bases) {
     uint32_t max = 1;
-    for (uint32_t t = 0; t < frames; t++) {
+    for (uint32_t t = 0; t < frames; ++t) {
         const uint32_t rows = std::min(2u, frames - t);
         uint32_t busy = 0;
         for (uint32_t plane = 0; plane < bases; plane += 4) {
             bool any = false;
-            for (uint32_t row = t; row < t + rows; row++)
-                for (uint32_t c = plane; c < std::min(plane + 4, bases); c++)
+            for (uint32_t row = t; row < t + rows; ++row)
+                for (uint32_t c = plane; c < std::min(plane + 4, bases); ++c)
                     any |= basis[size_t{row} * bases + c] != 0;
             busy += any ? 1 : 0;
         }
@@ -106,8 +106,8 @@ void add_weights(Field& field, const std::vector<uint16_t>& halves, gpu::Uploads
     const auto parts = [&] { return ((planes - 1) >> log2) + 1; };
     while (log2 > 0 && std::min(planes, 1u << log2) * plane_bytes > device.max_allocation_bytes() &&
            2 * parts() <= kMostWeightParts)
-        log2--;
-    for (uint32_t i = 0; i < parts(); i++) {
+        --log2;
+    for (uint32_t i = 0; i < parts(); ++i) {
         const uint32_t first = i << log2;
         const uint64_t bytes = std::min(planes - first, 1u << log2) * plane_bytes;
         field.weights.emplace_back(device, "leaf weights (fp16)", bytes, gpu::MemoryKind::kDevice);
@@ -138,7 +138,7 @@ void weights_from_planes(const std::vector<float>& planes, voctree::VOctree& tre
     parallel_for(tree.leaf_count, kCachedLeaves, [&](size_t begin, size_t end) {
         for_each_weight(tree, [&](uint32_t index, uint32_t plane, uint32_t component) {
             const float* from = &planes[size_t{4} * plane * tree.leaf_count + component];
-            for (size_t leaf = begin; leaf < end; leaf++) tree.weights[leaf * stride + index] = from[4 * leaf];
+            for (size_t leaf = begin; leaf < end; ++leaf) tree.weights[leaf * stride + index] = from[4 * leaf];
         });
     });
 }

@@ -88,8 +88,8 @@ uint32_t far_level_for(const Field& field, std::span<const stage::Camera> camera
 
 FieldLevels::FieldLevels(std::vector<const Field*> given) : all(std::move(given)) {
     const auto fields = static_cast<uint32_t>(all.size());
-    for (uint32_t field = 0; field < fields; field++) given_of.push_back(field);
-    for (uint32_t field = 0; field < fields; field++) {
+    for (uint32_t field = 0; field < fields; ++field) given_of.push_back(field);
+    for (uint32_t field = 0; field < fields; ++field) {
         first_coarser.push_back(static_cast<uint32_t>(all.size()));
         for (const Field& coarser : all[field]->coarser) {
             all.push_back(&coarser);

@@ -31,7 +31,7 @@ void record_bind_bones(gpu::Commands& commands, BoneBinder& binder, uint32_t sli
     if (binder.bound[slice] == wanted) return;
     const gpu::PassScope scope(commands, "bind bones");
     ShaderBones shader_bones{};
-    for (size_t i = 0; i < bones.size(); i++)
+    for (size_t i = 0; i < bones.size(); ++i)
         shader_bones.bones[i] = {glm::vec4(bones[i].from, bones[i].radius), glm::vec4(bones[i].to, 0)};
     gpu::update(commands, binder.bones, shader_bones);
     gpu::compute_barrier(commands);
@@ -56,7 +56,7 @@ void record_highlight(gpu::Commands& commands, const Highlighter& highlighter, u
     const gpu::PassScope scope(commands, "highlight");
     const SliceTrees& trees = highlighter.binder.trees;
     HighlightPush push{{}, slice, trees.capacity, highlighter.binder.bone_words, view};
-    for (size_t i = 0; i < tints.size(); i++) {
+    for (size_t i = 0; i < tints.size(); ++i) {
         const auto byte = static_cast<uint32_t>(std::lround(255 * std::clamp(tints[i], 0.0f, 1.0f)));
         push.tints[i / 4] |= byte << 8 * (i % 4);
     }

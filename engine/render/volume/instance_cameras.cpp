@@ -14,13 +14,13 @@ ShaderCamera shader_camera_of(const TargetViews& views, const stage::Camera& cam
 
 void write_cameras(const TargetViews& views) {
     views.target.used_cameras = 0;
-    for (uint32_t view = 0; view < views.layout.views; view++)
+    for (uint32_t view = 0; view < views.layout.views; ++view)
         views.target.set_camera(view, shader_camera_of(views, views.cameras[view], view));
 }
 
 void write_tiles(const TargetViews& views) {
     Tile* to = views.target.rays.tiles.as<Tile>();
-    for (uint32_t view = 0; view < views.layout.views; view++) {
+    for (uint32_t view = 0; view < views.layout.views; ++view) {
         const std::vector<Tile> tiles = tiles_of_image(view, views.layout.rays_across(), views.layout.rays_down());
         to = std::copy(tiles.begin(), tiles.end(), to);
     }
@@ -39,7 +39,7 @@ std::optional<DrawnInstance> write_instance_cameras(const TargetViews& views, co
     drawn.rays.density = instance.density;
     const double pixel_rays = layout.samples * views.scale;  // along each side
     bool visible = false;
-    for (uint32_t view = 0; view < layout.views; view++) {
+    for (uint32_t view = 0; view < layout.views; ++view) {
         const stage::Camera camera = in_performer(views.cameras[view], instance.world_from_performer);
         const glm::vec3 eye(camera.world_from_camera[3]);
         const ShaderCamera shader_camera = shader_camera_of(views, camera, view);

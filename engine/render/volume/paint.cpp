@@ -39,9 +39,9 @@ PackedPaint pack(std::span<const PaintUse> uses) {
     std::vector<uint32_t> next;  // per leaf: the index for its next edit
     for (const PaintUse& use : uses) {
         next.resize(std::max<size_t>(next.size(), use.layer->field.leaf_count + size_t{1}));
-        for (const voctree::LeafEdit& edit : use.layer->edits) next[edit.leaf + 1]++;
+        for (const voctree::LeafEdit& edit : use.layer->edits) ++next[edit.leaf + 1];
     }
-    for (size_t leaf = 1; leaf < next.size(); leaf++) {
+    for (size_t leaf = 1; leaf < next.size(); ++leaf) {
         if (next[leaf] > 0) packed.leaves.emplace_back(static_cast<uint32_t>(leaf - 1), next[leaf - 1]);
         next[leaf] += next[leaf - 1];
     }
@@ -49,7 +49,7 @@ PackedPaint pack(std::span<const PaintUse> uses) {
     packed.leaves.emplace_back(0, count);
     packed.edits.resize(count);
     packed.sigmas.resize(count);
-    for (uint32_t i = 0; i < uses.size(); i++) {
+    for (uint32_t i = 0; i < uses.size(); ++i) {
         packed.layers.emplace_back(static_cast<uint32_t>(uses[i].blend), std::bit_cast<uint32_t>(uses[i].opacity));
         for (const voctree::LeafEdit& edit : uses[i].layer->edits) {
             const uint32_t at = next[edit.leaf]++;

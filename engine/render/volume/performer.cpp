@@ -169,7 +169,7 @@ void Performer::forget_segments() {
 
 uint64_t Performer::used_entries(uint32_t slot) const {
     uint64_t entries = 0;
-    for (uint32_t slice = 0; slices_ && slice < slices_->trees().slices; slice++)
+    for (uint32_t slice = 0; slices_ && slice < slices_->trees().slices; ++slice)
         if (slices_->is_used(slice)) entries += counts_readback_[slot].as<LiveCount>()[slice].slots;
     return entries;
 }
@@ -244,7 +244,7 @@ void record_instance(gpu::Commands& commands, Performer& performer, uint32_t tar
         record_bind_bones(commands, performer.bone_binder(), *slice, performer.slices()->build_of(*slice),
                           highlight->bones);
     const bool shaded = instance.shading == Shading::kPerLeaf;
-    for (uint32_t view = 0; shaded && view < layout.views; view++) {
+    for (uint32_t view = 0; shaded && view < layout.views; ++view) {
         const RangeView& range = passes.target.views[instance.rays.first_camera + view];
         record_shade(commands, passes.per_leaf->shader, *slice, view, glm::vec3(range.eye));
         if (highlight) record_highlight(commands, *passes.highlighter, *slice, view, highlight->tints);

@@ -42,7 +42,7 @@ void PerformerShadows::prepare_lights(const FieldLevels& levels, std::span<const
     const std::optional<WorldBox> box = box_of_casting(levels, instances);
     set.set_shadow_casters(box);
     if (!box || !set.lights().performer_shadows) return;
-    for (uint32_t i = 0; i < set.lights().count; i++) {
+    for (uint32_t i = 0; i < set.lights().count; ++i) {
         if (set.lights().light[i].shadow == kNoShadow) continue;
         cameras.push_back(performer_shadow_camera(set.given_lights()[i], *box, kSide));
         maps.push_back(set.lights().light[i].shadow);

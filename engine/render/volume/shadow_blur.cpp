@@ -24,7 +24,7 @@ ShadowBlur::ShadowBlur(const gpu::Device& device, const RayBatch& rays, const gp
 
 void record_shadow_blur(gpu::Commands& commands, const ShadowBlur& blur, std::span<const uint32_t> maps) {
     const gpu::PassScope scope(commands, "shadow blur");
-    for (uint32_t view = 0; view < maps.size(); view++) {
+    for (uint32_t view = 0; view < maps.size(); ++view) {
         gpu::dispatch(commands, blur.along_rows, blur.rows_set, kMapTexels, ShadowBlurPush{view, 0});
         gpu::compute_barrier(commands);
         gpu::dispatch(commands, blur.along_columns, blur.columns_set, kMapTexels,

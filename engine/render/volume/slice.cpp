@@ -55,7 +55,7 @@ void record_rows(gpu::Commands& commands, const LiveFinder& finder, float frame)
     const Field& field = finder.field;
     RowsPush push{frame, field.frames, field.bases, field.part_planes_log2};
     if (field.weights_by_address)
-        for (size_t i = 0; i < field.weights.size(); i++) {
+        for (size_t i = 0; i < field.weights.size(); ++i) {
             const glm::uvec2 address = field.weights[i].address();
             glm::uvec4& pair = push.weights[i / 2];
             pair = i % 2 == 0 ? glm::uvec4(address, 0, 0) : glm::uvec4(pair.x, pair.y, address);

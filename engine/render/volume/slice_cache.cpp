@@ -88,7 +88,7 @@ void SliceCache::bind(std::span<const SliceKey> keys) {
 }
 
 void SliceCache::request(std::span<const SliceKey> keys) {
-    images_++;
+    ++images_;
     prefetch_.clear();
     shared_.reset();
     bind(keys);
@@ -114,14 +114,14 @@ void SliceCache::request_prefetch(std::span<const SliceKey> keys) {
 }
 
 std::optional<uint32_t> SliceCache::find(SliceKey key) const {
-    for (uint32_t i = 0; i < slices_.size(); i++)
+    for (uint32_t i = 0; i < slices_.size(); ++i)
         if (slices_[i].key == key) return i;
     return std::nullopt;
 }
 
 std::optional<std::pair<SliceKey, uint32_t>> SliceCache::nearest_built(SliceKey key) const {
     std::optional<std::pair<SliceKey, uint32_t>> nearest;
-    for (uint32_t i = 0; i < slices_.size(); i++) {
+    for (uint32_t i = 0; i < slices_.size(); ++i) {
         const CachedSlice& slice = slices_[i];
         if (!slice.key || slice.parts < kSliceParts || slice.key->paint != key.paint) continue;
         const bool is_nearer =
@@ -142,14 +142,14 @@ const SlicePaint* SliceCache::paint_of(SliceKey key) const {
 void SliceCache::build(gpu::Commands& commands, uint32_t slice, uint32_t parts) {
     CachedSlice& cached = slices_[slice];
     const SliceKey key = *cached.key;
-    for (uint32_t i = 0; i < slices_.size(); i++)  // another partly built slice loses the live leaves
+    for (uint32_t i = 0; i < slices_.size(); ++i)  // another partly built slice loses the live leaves
         if (i != slice && slices_[i].parts < kSliceParts) slices_[i].parts = 0;
     if (cached.parts == 0) cached.build = ++builds_;
     if (cached.parts == 0 && parts >= kSliceParts) {
         record_slice_tree(commands, slicer_, slice, key.frame, paint_of(key));
         cached.parts = kSliceParts;
     }
-    for (; parts > 0 && cached.parts < kSliceParts; parts--)
+    for (; parts > 0 && cached.parts < kSliceParts; --parts)
         record_slice_part(commands, slicer_, slice, key.frame, cached.parts++, paint_of(key));
 }
 
@@ -159,7 +159,7 @@ void SliceCache::record_slices(gpu::Commands& commands) {
         return cached.key && cached.last_used == images_ && cached.parts < kSliceParts;
     };
     for (const bool begun : {true, false})  // first the slice that is partly built
-        for (uint32_t i = 0; i < slices_.size(); i++)
+        for (uint32_t i = 0; i < slices_.size(); ++i)
             if (is_missing(slices_[i]) && (slices_[i].parts > 0) == begun) build(commands, i, kSliceParts);
 }
 

@@ -13,7 +13,7 @@ uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels) {
     const auto levels = static_cast<uint32_t>(field.level_begin.size()) - 1;
     double edge_m = std::max({field.box_size.x, field.box_size.y, field.box_size.z});
     uint32_t level = 0;
-    for (; level + 1 < levels && edge_m > largest_m; level++) edge_m /= 4;
+    for (; level + 1 < levels && edge_m > largest_m; ++level) edge_m /= 4;
     return level;
 }
 

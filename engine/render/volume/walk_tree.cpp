@@ -64,7 +64,7 @@ class Walker {
         TreeNode added{node.mask_lo, node.mask_hi, static_cast<uint32_t>(walk_.children.size()), 0};
         const uint64_t mask = mask_of(node);
         size_t slot = node.first_child;
-        for (uint32_t bit = 0; bit < 64; bit++) {
+        for (uint32_t bit = 0; bit < 64; ++bit) {
             if (!(mask >> bit & 1)) continue;
             const uint32_t word = 2 * index + bit / 32, flag = 1u << bit % 32, entry = tree_.children[slot];
             const glm::uvec3 octant = 2u * corner + octant_offset(bit >> 3);
@@ -76,7 +76,7 @@ class Walker {
                 slot += 8;
                 continue;
             }
-            slot++;
+            ++slot;
             if (entry & kLeafBit) {
                 add_leaf(entry, {word, flag}, packed(cell, 2 * level + 2));
             } else {
@@ -140,14 +140,14 @@ class TopGrid {
         const uint32_t size = 1u << (2 * (level - lowest_));
         const glm::uvec3 first = glm::max(corner * size, walk_.top_low) - walk_.top_low;
         const glm::uvec3 end = glm::min((corner + 1u) * size, walk_.top_last + 1u) - walk_.top_low;
-        for (uint32_t z = first.z; z < end.z; z++)
-            for (uint32_t y = first.y; y < end.y; y++) {
+        for (uint32_t z = first.z; z < end.z; ++z)
+            for (uint32_t y = first.y; y < end.y; ++y) {
                 const auto row = cells_.begin() + static_cast<ptrdiff_t>((size_t{z} * size_.y + y) * size_.x);
                 std::fill(row + first.x, row + end.x, node | (level - 1) << kTopLevelShift);
             }
         if (level == lowest_) return;
         const uint64_t inner = uint64_t{walk_.inner_cells[node].y} << 32 | walk_.inner_cells[node].x;
-        for (uint32_t bit = 0; bit < 64; bit++) {
+        for (uint32_t bit = 0; bit < 64; ++bit) {
             if (!(inner >> bit & 1)) continue;
             const uint32_t child = child_of(walk_.nodes[node], bit);
             fill_node(child, level - 1, 4u * corner + 2u * octant_offset(bit >> 3) + octant_offset(bit & 7));
@@ -156,7 +156,7 @@ class TopGrid {
 
     uint32_t child_of(const TreeNode& node, uint32_t bit) const {
         uint64_t runs = mask_of(node);
-        for (uint32_t octant = 0; octant < 8; octant++)
+        for (uint32_t octant = 0; octant < 8; ++octant)
             if (node.wide >> octant & 1) runs &= ~(uint64_t{0xfe} << (8 * octant));
         const auto below = static_cast<uint32_t>(std::popcount(runs & ((uint64_t{1} << bit) - 1)));
         return walk_.children[node.first_child + below];
@@ -194,7 +194,7 @@ WalkTree walk_tree(const voctree::VOctree& tree) {
     walk.scale = 1 + above;
     const Bounds finest_bounds = bounds_of(positions, 2 * node_levels);
     Bounds bounds;
-    for (uint32_t levels = 0; levels < node_levels; levels++) {
+    for (uint32_t levels = 0; levels < node_levels; ++levels) {
         const Bounds finer = finest_bounds.coarser(2 * (node_levels - levels));
         if (levels > 0 && finer.cells() > kMaxTopCells) break;
         walk.top_levels = levels;

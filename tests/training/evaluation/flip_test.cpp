@@ -29,8 +29,8 @@ media::Image noise_image(uint64_t seed) {
 // An image that is black to the left of column `edge` and white from there on.
 media::Image edge_image(uint32_t edge) {
     media::Image image = uniform_image(0, 0, 0);
-    for (uint32_t y = 0; y < image.height; y++)
-        for (uint32_t x = edge; x < image.width; x++) std::fill_n(image.at(x, y), 3, static_cast<uint8_t>(255));
+    for (uint32_t y = 0; y < image.height; ++y)
+        for (uint32_t x = edge; x < image.width; ++x) std::fill_n(image.at(x, y), 3, static_cast<uint8_t>(255));
     return image;
 }
 
@@ -57,7 +57,7 @@ TEST(Flip, UniformPicturesDifferByTheirColoursAlone) {
 TEST(Flip, IsSymmetricAndBounded) {
     const std::vector<float> ab = training::flip(noise_image(1), noise_image(2)),
                              ba = training::flip(noise_image(2), noise_image(1));
-    for (size_t i = 0; i < ab.size(); i++) {
+    for (size_t i = 0; i < ab.size(); ++i) {
         EXPECT_NEAR(ab[i], ba[i], 1e-12);
         EXPECT_GE(ab[i], 0);
         EXPECT_LE(ab[i], 1);

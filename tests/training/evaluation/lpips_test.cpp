@@ -44,7 +44,7 @@ FloatArray random_array(Random& random, std::vector<uint64_t> shape, double low,
     size_t count = 1;
     for (const uint64_t extent : shape) count *= extent;
     FloatArray array{std::move(shape), {}};
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; ++i)
         array.values.push_back(static_cast<float>(low + (high - low) * static_cast<double>(random.below(10001)) / 1e4));
     return array;
 }
@@ -52,7 +52,7 @@ FloatArray random_array(Random& random, std::vector<uint64_t> shape, double low,
 Arrays random_network() {
     Random random(11);
     Arrays arrays;
-    for (size_t i = 0; i < 5; i++) {
+    for (size_t i = 0; i < 5; ++i) {
         const Convolution& c = kNetwork[i];
         const double bound = 2.5 / std::sqrt(c.in * c.kernel * c.kernel);
         arrays[c.name + ".weight"] = random_array(random, {c.out, c.in, c.kernel, c.kernel}, -bound, bound);
@@ -72,13 +72,13 @@ Volume convolve(const Volume& in, const Convolution& c, const Arrays& arrays) {
     const FloatArray &weight = arrays.at(c.name + ".weight"), &bias = arrays.at(c.name + ".bias");
     Volume out(c.out, std::vector<std::vector<double>>(static_cast<size_t>(rows),
                                                        std::vector<double>(static_cast<size_t>(columns))));
-    for (size_t o = 0; o < c.out; o++)
-        for (int y = 0; y < rows; y++)
-            for (int x = 0; x < columns; x++) {
+    for (size_t o = 0; o < c.out; ++o)
+        for (int y = 0; y < rows; ++y)
+            for (int x = 0; x < columns; ++x) {
                 double sum = double{bias.values[o]};
-                for (size_t i = 0; i < c.in; i++)
-                    for (int v = 0; v < k; v++)
-                        for (int u = 0; u < k; u++) {
+                for (size_t i = 0; i < c.in; ++i)
+                    for (int v = 0; v < k; ++v)
+                        for (int u = 0; u < k; ++u) {
                             const int at_y = y * stride + v - pad, at_x = x * stride + u - pad;
                             if (at_y < 0 || at_x < 0 || at_y >= height || at_x >= width) continue;
                             const size_t w = ((o * c.in + i) * c.kernel + static_cast<size_t>(v)) * c.kernel +
@@ -93,13 +93,13 @@ Volume convolve(const Volume& in, const Convolution& c, const Arrays& arrays) {
 
 Volume pool(const Volume& in) {
     Volume out(in.size());
-    for (size_t c = 0; c < in.size(); c++)
+    for (size_t c = 0; c < in.size(); ++c)
         for (size_t y = 0; y + 3 <= in[c].size(); y += 2) {
             out[c].emplace_back();
             for (size_t x = 0; x + 3 <= in[c][0].size(); x += 2) {
                 double largest = in[c][y][x];
-                for (size_t v = 0; v < 3; v++)
-                    for (size_t u = 0; u < 3; u++) largest = std::max(largest, in[c][y + v][x + u]);
+                for (size_t v = 0; v < 3; ++v)
+                    for (size_t u = 0; u < 3; ++u) largest = std::max(largest, in[c][y + v][x + u]);
                 out[c].back().push_back(largest);
             }
         }
@@ -109,17 +109,17 @@ Volume pool(const Volume& in) {
 Volume scaled(const media::Image& image) {
     const double shift[] = {-0.030, -0.088, -0.188}, scale[] = {0.458, 0.448, 0.450};
     Volume out(3, std::vector<std::vector<double>>(image.height, std::vector<double>(image.width)));
-    for (size_t c = 0; c < 3; c++)
-        for (uint32_t y = 0; y < image.height; y++)
-            for (uint32_t x = 0; x < image.width; x++)
+    for (size_t c = 0; c < 3; ++c)
+        for (uint32_t y = 0; y < image.height; ++y)
+            for (uint32_t x = 0; x < image.width; ++x)
                 out[c][y][x] = (image.at(x, y)[c] / 255.0 * 2 - 1 - shift[c]) / scale[c];
     return out;
 }
 
 // Scales the features of each pixel to length 1.
 void normalise(Volume& volume) {
-    for (size_t y = 0; y < volume[0].size(); y++)
-        for (size_t x = 0; x < volume[0][0].size(); x++) {
+    for (size_t y = 0; y < volume[0].size(); ++y)
+        for (size_t x = 0; x < volume[0][0].size(); ++x) {
             double sum = 0;
             for (const auto& channel : volume) sum += channel[y][x] * channel[y][x];
             for (auto& channel : volume) channel[y][x] /= std::sqrt(sum) + 1e-10;
@@ -129,7 +129,7 @@ void normalise(Volume& volume) {
 double plain_lpips(const media::Image& a, const media::Image& b, const Arrays& arrays) {
     Volume of_a = scaled(a), of_b = scaled(b);
     double distance = 0;
-    for (size_t i = 0; i < 5; i++) {
+    for (size_t i = 0; i < 5; ++i) {
         if (kNetwork[i].pooled) of_a = pool(of_a), of_b = pool(of_b);
         of_a = convolve(of_a, kNetwork[i], arrays);
         of_b = convolve(of_b, kNetwork[i], arrays);
@@ -138,9 +138,9 @@ double plain_lpips(const media::Image& a, const media::Image& b, const Arrays& a
         normalise(unit_b);
         const FloatArray& importance = arrays.at("lin" + std::to_string(i) + ".model.1.weight");
         double sum = 0;
-        for (size_t c = 0; c < unit_a.size(); c++)
-            for (size_t y = 0; y < unit_a[c].size(); y++)
-                for (size_t x = 0; x < unit_a[c][y].size(); x++)
+        for (size_t c = 0; c < unit_a.size(); ++c)
+            for (size_t y = 0; y < unit_a[c].size(); ++y)
+                for (size_t x = 0; x < unit_a[c][y].size(); ++x)
                     sum += double{importance.values[c]} * std::pow(unit_a[c][y][x] - unit_b[c][y][x], 2);
         distance += sum / static_cast<double>(unit_a[0].size() * unit_a[0][0].size());
     }

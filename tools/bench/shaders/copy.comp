@@ -11,7 +11,7 @@ layout(push_constant) uniform Push { CopyPush push; };
 
 void main() {
     const uint first = gl_WorkGroupID.x * kCopyGroup * kCopyOfThread + gl_LocalInvocationID.x;
-    for (uint i = 0u; i < kCopyOfThread; i++) {
+    for (uint i = 0u; i < kCopyOfThread; ++i) {
         const uint at = first + i * kCopyGroup;
         if (at < push.vectors) to[at] = from[at];
     }

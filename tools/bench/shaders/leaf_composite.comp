@@ -70,8 +70,8 @@ void fetch_leaf(uint pair, uvec2 corner, uint turn) {
     leaf_light[thread] = vec4(first_two.y, unpackHalf2x16(words.y), first_two.x);
     const Pixels pixels = leaf_pixels(cell);
     const uvec2 first = max(pixels.first, corner) - corner, end = min(max(pixels.end, corner) - corner, uvec2(kTile));
-    for (uint x = first.x; x < end.x; x++) atomicOr(covering[line_of(turn, 0u, x) + word], bit);
-    for (uint y = first.y; y < end.y; y++) atomicOr(covering[line_of(turn, 1u, y) + word], bit);
+    for (uint x = first.x; x < end.x; ++x) atomicOr(covering[line_of(turn, 0u, x) + word], bit);
+    for (uint y = first.y; y < end.y; ++y) atomicOr(covering[line_of(turn, 1u, y) + word], bit);
 }
 
 // The fetched leaves that cover the thread's pixel: a bit for each.

@@ -52,7 +52,7 @@ void main() {
     const vec3 eye = (push.eye.xyz - push.box_min.xyz) / push.box_size.xyz * side;
     const uvec2 near = nearness(leaf, uvec3(clamp(floor(eye), 0.0, side - 1.0)));
     const uint across = (push.width + kTile - 1u) / kTile;
-    for (uint i = 0u; i < number && first + i < push.capacity; i++) {
+    for (uint i = 0u; i < number && first + i < push.capacity; ++i) {
         const uvec2 at = tile + uvec2(i % tiles.x, i / tiles.x);
         imageStore(keys, int(first + i), uvec4(pair_key(at.y * across + at.x, near), 0u, 0u));
         imageStore(values, int(first + i), uvec4(entry));

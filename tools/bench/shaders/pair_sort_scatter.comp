@@ -27,7 +27,7 @@ shared uint next[2u][kSortDigits];          // where the next pair of a digit go
 uint rank_of(uint digit, uint turn) {
     const uint thread = gl_LocalInvocationID.x, word = thread / 32u;
     uint rank = bitCount(same[turn][word][digit] & ((1u << (thread & 31u)) - 1u));
-    for (uint w = 0u; w < word; w++) rank += bitCount(same[turn][w][digit]);
+    for (uint w = 0u; w < word; ++w) rank += bitCount(same[turn][w][digit]);
     return rank;
 }
 
@@ -35,7 +35,7 @@ uint rank_of(uint digit, uint turn) {
 void prepare_digit(uint turn) {
     const uint digit = gl_LocalInvocationID.x;
     uint pairs = 0u;
-    for (uint w = 0u; w < kWords; w++) {
+    for (uint w = 0u; w < kWords; ++w) {
         pairs += bitCount(same[turn][w][digit]);
         same[turn ^ 1u][w][digit] = 0u;
     }
@@ -45,7 +45,7 @@ void prepare_digit(uint turn) {
 void main() {
     const uint thread = gl_LocalInvocationID.x, block = gl_WorkGroupID.x;
     next[0][thread] = block_counts[thread * push.stride + block];
-    for (uint w = 0u; w < kWords; w++) same[0][w][thread] = 0u;
+    for (uint w = 0u; w < kWords; ++w) same[0][w][thread] = 0u;
     barrier();
     const uint end = min((block + 1u) * kSortBlock, sort_pairs());
     uint turn = 0u;

@@ -66,7 +66,7 @@ void play_fields(Context& context, FieldGroup& fields, Coaching& coaching) {
 void limb_rows(Context& context, FieldGroup& fields, Coaching& coaching) {
     const coach::Coach* coach = coaching.is_running() ? &coaching.session().coach() : nullptr;
     const coach::LimbValues red = coach ? coach->red() : coach::LimbValues{};
-    for (size_t i = 0; i < motion::kLimbs; i++) {
+    for (size_t i = 0; i < motion::kLimbs; ++i) {
         bool counts = coaching.settings.compare.counted[i];
         const ImVec4 mark = ImGui::ColorConvertU32ToFloat4(ui::kWarning);
         if (red[i] > 0.5) ImGui::PushStyleColor(ImGuiCol_Text, mark);

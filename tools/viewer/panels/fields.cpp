@@ -94,7 +94,7 @@ bool FieldGroup::choice(const char* name, size_t& value, std::span<const char* c
     const bool open = ImGui::BeginCombo("##", value < of.size() ? of[value] : "");
     report_last(name);
     if (open) {
-        for (size_t i = 0; i < of.size(); i++) {
+        for (size_t i = 0; i < of.size(); ++i) {
             if (ImGui::Selectable(of[i], i == value)) {
                 changed = i != value;
                 value = i;

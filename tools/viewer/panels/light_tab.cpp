@@ -112,7 +112,7 @@ void shadow_line(Context& context, FieldGroup& group, uint32_t node) {
     const stage::Stage* const stage = context.stage_of_document();
     if (!stage) return;
     const std::vector<render::LightStatus> statuses = render::light_statuses(*stage, context.frame.evaluated);
-    for (size_t i = 0; i < statuses.size(); i++) {
+    for (size_t i = 0; i < statuses.size(); ++i) {
         if (context.frame.evaluated.lights[i].node != node) continue;
         group.label("");
         const render::LightStatus& status = statuses[i];

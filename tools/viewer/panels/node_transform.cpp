@@ -17,7 +17,7 @@ double lowest_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluat
         const glm::dvec3 high = clip.box_min + clip.box_size;
         glm::dvec3 low = clip.box_min;
         if (low.y < 0 && high.y > 0) low.y = 0;
-        for (int i = 0; i < 8; i++) {
+        for (int i = 0; i < 8; ++i) {
             const glm::dvec3 corner = glm::mix(low, high, glm::dvec3(i & 1, i >> 1 & 1, i >> 2));
             lowest = std::min(lowest, (performer.world_from_performer * glm::dvec4(corner, 1)).y);
         }
@@ -68,14 +68,14 @@ edit::Placement placement_to(const edit::NodeTransform& from, const edit::NodeTr
     if (to.rotation != from.rotation) placement.turn_deg = angles_of(to.rotation * glm::conjugate(from.rotation));
     if (to.scale == from.scale) return placement;
     placement.scale = glm::dvec3(1);
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; ++axis)
         if (from.scale[axis] != 0) (*placement.scale)[axis] = to.scale[axis] / from.scale[axis];
     return placement;
 }
 
 glm::dvec3 nonzero_scale(const glm::dvec3& scale, const glm::dvec3& before) {
     glm::dvec3 nonzero = scale;
-    for (int axis = 0; axis < 3; axis++) {
+    for (int axis = 0; axis < 3; ++axis) {
         if (scale[axis] == before[axis]) continue;
         const bool changes_sign = (scale[axis] < 0) != (before[axis] < 0);
         nonzero[axis] =

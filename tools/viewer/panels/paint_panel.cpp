@@ -38,7 +38,7 @@ constexpr ToolIcon kTools[] = {
     {"paint/stamp", ICON_STAMP, "Image: project a PNG from where you look", "Image"}};
 
 void tool_row(Context& context, PaintSettings& settings) {
-    for (size_t i = 0; i < std::size(kTools); i++) {
+    for (size_t i = 0; i < std::size(kTools); ++i) {
         if (i > 0) ImGui::SameLine();
         const ToolIcon& tool = kTools[i];
         const bool on = settings.tool == static_cast<Brush>(i) && PaintTool::is_current(context);

@@ -23,7 +23,7 @@ void rotation_field(Context& context, FieldGroup& group, PropertyFields::Angles&
                     edit::NodeTransform transform) {
     glm::dvec3 deg =
         displayed.node == node ? angles_like(displayed.deg, transform.rotation) : angles_of(transform.rotation);
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; ++axis)
         if (std::abs(deg[axis]) < 1e-9) deg[axis] = 0;  // no "-0.0"
     displayed = {node, deg};
     if (!group.number("rotation", deg, {-3600, 3600, 0.5, "%.1f°"})) return;
@@ -47,7 +47,7 @@ void scale_field(Context& context, FieldGroup& group, bool& evenly, uint32_t nod
     if (!changed) return;
     const glm::dvec3 scale = nonzero_scale(transform.scale, before);
     double factor = 1;
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; ++axis)
         if (scale[axis] != before[axis] && before[axis] != 0) factor = scale[axis] / before[axis];
     transform.scale = evenly ? factor * before : scale;
     drag_transform(context, node, transform);

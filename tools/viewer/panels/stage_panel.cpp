@@ -143,7 +143,7 @@ RowArea area_of_row(const StageRow& row) {
     area.icon_x = area.at.x + (static_cast<float>(std::min(row.depth, kDeepest)) + 1) * std::round(0.7f * area.side);
     area.name_x = area.icon_x + std::round(area.side);
     area.text_y = area.at.y + ImGui::GetStyle().FramePadding.y;
-    if (row.has_sound) area.icons++;
+    if (row.has_sound) ++area.icons;
     return area;
 }
 
@@ -253,7 +253,7 @@ void draw_tree(Context& context, StageTree& tree) {
     ImGuiListClipper clipper;
     clipper.Begin(static_cast<int>(open.size()), row_height);
     while (clipper.Step())
-        for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; i++) {
+        for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
             const StageRow& row = tree.rows[open[static_cast<size_t>(i)]];
             const float y = ImGui::GetCursorPosY();
             ImGui::PushID(static_cast<int>(row.node));

@@ -6,7 +6,7 @@ namespace {
 
 void count_below(std::vector<StageRow>& rows) {
     std::vector<size_t> above;  // the ancestors of the row, by depth
-    for (size_t row = 0; row <= rows.size(); row++) {
+    for (size_t row = 0; row <= rows.size(); ++row) {
         const size_t depth = row < rows.size() ? rows[row].depth : 0;
         for (; above.size() > depth; above.pop_back())
             rows[above.back()].descendants = static_cast<uint32_t>(row - above.back() - 1);
@@ -48,7 +48,7 @@ std::vector<StageRow> stage_rows(const stage::StageFile& file) {
 
 std::vector<uint32_t> listed_rows(const std::vector<StageRow>& rows, const std::set<std::string>& closed) {
     std::vector<uint32_t> open;
-    for (uint32_t row = 0; row < rows.size(); row++) {
+    for (uint32_t row = 0; row < rows.size(); ++row) {
         open.push_back(row);
         if (closed.contains(rows[row].title)) row += rows[row].descendants;
     }
@@ -56,18 +56,18 @@ std::vector<uint32_t> listed_rows(const std::vector<StageRow>& rows, const std::
 }
 
 std::optional<uint32_t> row_of(const std::vector<StageRow>& rows, uint32_t node) {
-    for (uint32_t row = 0; row < rows.size(); row++)
+    for (uint32_t row = 0; row < rows.size(); ++row)
         if (rows[row].node == node) return row;
     return {};
 }
 
 void open_ancestors(const std::vector<StageRow>& rows, uint32_t row, std::set<std::string>& closed) {
-    for (uint32_t above = 0; above < row; above++)
+    for (uint32_t above = 0; above < row; ++above)
         if (above + rows[above].descendants >= row) closed.erase(rows[above].title);
 }
 
 std::optional<std::string> locked_within(const std::vector<StageRow>& rows, uint32_t row) {
-    for (uint32_t i = row; i <= row + rows[row].descendants; i++)
+    for (uint32_t i = row; i <= row + rows[row].descendants; ++i)
         if (rows[i].locked) return rows[i].title;
     return {};
 }

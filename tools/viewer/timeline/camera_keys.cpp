@@ -44,12 +44,12 @@ std::vector<glm::dvec3> line_of(const stage::CameraPath& path, size_t steps) {
     if (path.interpolation == stage::Interpolation::kCut) return line;
     steps = std::clamp<size_t>(steps, 1, std::max<size_t>(1, kMaxLinePoints / path.keys.size()));
     const auto add = [&](double from_s, double to_s) {
-        for (size_t i = 0; i < steps; i++) {
+        for (size_t i = 0; i < steps; ++i) {
             const double t = from_s + (to_s - from_s) * static_cast<double>(i) / static_cast<double>(steps);
             line.emplace_back(stage::camera_at(path, t, 2, 2).world_from_camera[3]);
         }
     };
-    for (size_t i = 0; i + 1 < path.keys.size(); i++) add(path.keys[i].time_s, path.keys[i + 1].time_s);
+    for (size_t i = 0; i + 1 < path.keys.size(); ++i) add(path.keys[i].time_s, path.keys[i + 1].time_s);
     if (path.cyclic) add(path.keys.back().time_s, path.duration_s + path.keys.front().time_s);
     line.emplace_back((path.cyclic ? path.keys.front() : path.keys.back()).position);
     return line;

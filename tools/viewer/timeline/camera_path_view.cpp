@@ -25,12 +25,12 @@ void draw_frustum(const Context& context, const stage::Camera& camera, unsigned 
     const double aspect =
         context.frame.camera.height > 0 ? 1.0 * context.frame.camera.width / context.frame.camera.height : 1;
     glm::dvec3 corners[4];
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         const double x = i == 1 || i == 2 ? 1 : -1, y = i >= 2 ? 1 : -1;
         const glm::dvec4 corner(x * high * aspect, y * high, -high * camera.fy, 1);
         corners[i] = glm::dvec3(camera.world_from_camera * corner);
     }
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         draw_line(context, from, corners[i], colour, width);
         draw_line(context, corners[i], corners[(i + 1) % 4], colour, width);
     }
@@ -66,7 +66,7 @@ void draw_camera_path(const Context& context, const stage::CameraPath& path, con
     const Area& area = context.frame.image_area;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     list.PushClipRect({area.left, area.top}, {area.left + area.width, area.top + area.height});
-    for (size_t i = 0; i + 1 < line.size(); i++) draw_line(context, line[i], line[i + 1], kFlightColour, 2);
+    for (size_t i = 0; i + 1 < line.size(); ++i) draw_line(context, line[i], line[i + 1], kFlightColour, 2);
     for (const stage::CameraPathKey& key : path.keys)
         draw_frustum(context, stage::camera_at(path, key.time_s, 2, 2), kFrustumColour, 1);
     draw_frustum(context, stage::camera_at(path, context.view.clock.displayed_s(), 2, 2), ui::kAccent, 2);

@@ -142,7 +142,7 @@ bool draw_keys(Context& context, const TimelineView& view, std::optional<KeyDrag
         ImGui::GetWindowDrawList()->AddLine({low, middle}, {high, middle}, kPathColour, context.ui(2));
     ImGui::PushClipRect({view.left(), middle - view.row_height}, {view.right(), middle + view.row_height}, true);
     bool over_key = false;
-    for (size_t i = 0; i < path.keys.size(); i++)
+    for (size_t i = 0; i < path.keys.size(); ++i)
         over_key |=
             key_button(context, view, drag, path, i, drag && drag->key == i ? drag->to_s : path.keys[i].time_s, middle);
     ImGui::PopClipRect();

@@ -21,7 +21,7 @@ void draw_marks(const Context& context, const TimelineView& view, float top, flo
     const double step_s = marks.major_s / marks.parts;
     const auto first = static_cast<int64_t>(std::ceil(std::max(0.0, view.axis.begin_s) / step_s));
     const auto last = static_cast<int64_t>(std::floor(view.axis.end_s() / step_s));
-    for (int64_t i = first; i <= last; i++) {
+    for (int64_t i = first; i <= last; ++i) {
         const float x = std::floor(view.x_at(static_cast<double>(i) * step_s)) + 0.5f;
         const bool major = i % marks.parts == 0;
         list.AddLine({x, bottom - context.ui(major ? 7 : 3)}, {x, bottom}, kMarkColour);

@@ -50,7 +50,7 @@ void draw_waveform(Context& context, TimelineState& state, const editor::Wavefor
     float first = -1, last = -1;  // where anything is heard
     for (size_t i = 0, next = 0; i < amplitudes.size(); i = next) {
         const float height = height_of(amplitudes[i], gain, max);
-        for (next = i + 1; next < amplitudes.size() && height_of(amplitudes[next], gain, max) == height;) next++;
+        for (next = i + 1; next < amplitudes.size() && height_of(amplitudes[next], gain, max) == height;) ++next;
         if (height == 0) continue;
         const float from = left + static_cast<float>(i), to = left + static_cast<float>(next);
         list.AddRectFilled({from, middle - height}, {to, middle + height}, colour);

@@ -41,7 +41,7 @@ void report_handles(const Context& context, std::span<const HandleShape> shapes)
     for (const HandleShape& shape : shapes) {
         if (shape.handle == 0 || shape.count == 0) continue;
         glm::dvec2 low(shape.points[0]), high = low;
-        for (uint32_t i = 1; i < shape.count; i++) {
+        for (uint32_t i = 1; i < shape.count; ++i) {
             low = glm::min(low, glm::dvec2(shape.points[i]));
             high = glm::max(high, glm::dvec2(shape.points[i]));
         }

@@ -107,7 +107,7 @@ class NavigateTool : public Tool {
     };
 
     void begin(Context& context, const PointerUse& use) {
-        for (int button = 0; button < 3; button++) {
+        for (int button = 0; button < 3; ++button) {
             const bool free = button != ImGuiMouseButton_Left || !use.left;
             if (free && !drag_ && context.frame.pointer_in_image && ImGui::IsMouseClicked(button))
                 drag_ = Drag{motion_of(button, ImGui::GetIO()), button, false};

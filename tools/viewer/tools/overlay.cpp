@@ -39,8 +39,8 @@ class Drawing {
         list_.AddText({middle.x - size.x / 2, middle.y - size.y / 2}, colour, text);
     }
     void box(glm::dvec3 low, glm::dvec3 high, unsigned colour) {
-        for (int axis = 0; axis < 3; axis++)
-            for (int corner = 0; corner < 4; corner++) {
+        for (int axis = 0; axis < 3; ++axis)
+            for (int corner = 0; corner < 4; ++corner) {
                 glm::dvec3 a = low, b;
                 a[(axis + 1) % 3] = corner & 1 ? high[(axis + 1) % 3] : low[(axis + 1) % 3];
                 a[(axis + 2) % 3] = corner & 2 ? high[(axis + 2) % 3] : low[(axis + 2) % 3];
@@ -51,7 +51,7 @@ class Drawing {
     }
     void shape(const HandleShape& shape) {
         std::vector<ImVec2> points;
-        for (uint32_t i = 0; i < shape.count; i++) points.push_back(in_window(context_, glm::dvec2(shape.points[i])));
+        for (uint32_t i = 0; i < shape.count; ++i) points.push_back(in_window(context_, glm::dvec2(shape.points[i])));
         const glm::vec4 c = shape.colour;
         const ImU32 colour = ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, c.a});
         if (shape.filled)
@@ -66,7 +66,7 @@ class Drawing {
 };
 
 void draw_grid(Drawing& drawing) {
-    for (int i = -kGridSize_m; i <= kGridSize_m; i++) {
+    for (int i = -kGridSize_m; i <= kGridSize_m; ++i) {
         drawing.line({i, 0, -kGridSize_m}, {i, 0, kGridSize_m}, i == 0 ? kAxisZ : kGridColour);
         drawing.line({-kGridSize_m, 0, i}, {kGridSize_m, 0, i}, i == 0 ? kAxisX : kGridColour);
     }
@@ -124,7 +124,7 @@ struct GrowingBox {
         high = glm::max(high, position);
     }
     void add(const glm::dmat4& world, glm::dvec3 from, glm::dvec3 to) {
-        for (int i = 0; i < 8; i++)
+        for (int i = 0; i < 8; ++i)
             add(world * glm::dvec4(i & 1 ? to.x : from.x, i & 2 ? to.y : from.y, i & 4 ? to.z : from.z, 1));
     }
 };
@@ -156,7 +156,7 @@ std::pair<glm::dvec3, glm::dvec3> box_of_node(const Context& context, uint32_t n
         box.add(performer.world_from_performer, from, to);
     }
     const stage::GltfScene& scene = context.frame.stage->scene;
-    for (uint32_t i = 0; i < scene.nodes.size(); i++) {
+    for (uint32_t i = 0; i < scene.nodes.size(); ++i) {
         if (scene.nodes[i].mesh < 0 || !is_in_subtree(i)) continue;
         for (const stage::GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(scene.nodes[i].mesh)].primitives)
             for (const glm::vec3& position : primitive.positions)

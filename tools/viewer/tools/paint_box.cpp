@@ -36,7 +36,7 @@ void draw_edges(const Context& context, const Box& box, const glm::dmat4& world_
                             (i & 4) ? box.high.z : box.low.z);
         return glm::dvec3(world_from_performer * glm::dvec4(at, 1));
     };
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < 8; ++i)
         for (const int step : {1, 2, 4}) {
             if (i & step) continue;
             draw_line(context, corner(i), corner(i | step), 0x80000000, 3);
@@ -77,7 +77,7 @@ bool PaintTool::drag_box(Context& context, const PaintedPerformer& performer, bo
     }
     draw_edges(context, box, performer.world_from_performer);
     std::optional<int> over;
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         const auto at = editor::pixel_of(
             context.frame.camera, glm::dvec3(performer.world_from_performer * glm::dvec4(box.side(i % 3, i >= 3), 1)));
         if (!at) continue;

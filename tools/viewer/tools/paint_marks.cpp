@@ -129,8 +129,8 @@ void PaintTool::draw_stamp(Context& context) const {
     if (!task_runs_) {
         const float width = area.width / static_cast<float>(cells.width),
                     height = area.height / static_cast<float>(cells.height);
-        for (uint32_t y = 0; y < cells.height; y++)
-            for (uint32_t x = 0; x < cells.width; x++) {
+        for (uint32_t y = 0; y < cells.height; ++y)
+            for (uint32_t x = 0; x < cells.width; ++x) {
                 ImVec4 colour = colour_of(cells.at(x, y));
                 colour.w *= 0.75f * static_cast<float>(settings.opacity);
                 const ImVec2 low(area.left + width * static_cast<float>(x), area.top + height * static_cast<float>(y));

@@ -57,7 +57,7 @@ std::optional<PaintedPerformer> PaintTool::performer(const Context& context) {
     const std::vector<stage::StagePerformer>& all = context.frame.stage->performers;
     const auto selected = context.editor.selected();
     size_t index = all.size() == 1 ? 0 : all.size();
-    for (size_t i = 0; i < all.size(); i++)
+    for (size_t i = 0; i < all.size(); ++i)
         if (selected == all[i].node) index = i;
     if (index >= all.size() || index >= context.frame.evaluated.performers.size()) return {};
     auto layers = edit::paint_layers_of(context.editor.file(), all[index].node);
@@ -75,7 +75,7 @@ std::optional<PaintedPerformer> PaintTool::performer(const Context& context) {
 }
 
 size_t PaintTool::painted_layer(const PaintedPerformer& performer) const {
-    for (size_t i = 0; i < performer.layers.size(); i++)
+    for (size_t i = 0; i < performer.layers.size(); ++i)
         if (performer.layers[i].path == settings.layer) return i;
     return performer.layers.empty() ? 0 : performer.layers.size() - 1;
 }
@@ -120,7 +120,7 @@ bool PaintTool::prepare(Context& context) {
     if (!performer) return false;
     std::vector<std::filesystem::path> missing;
     const size_t painted = painted_layer(*performer);
-    for (size_t i = 0; i < performer->layers.size(); i++) {
+    for (size_t i = 0; i < performer->layers.size(); ++i) {
         const edit::ListedLayer& layer = performer->layers[i];
         const bool needed = i == painted || (layer.entry.visible && layer.entry.opacity > 0);
         if (needed && !layer_at(context, performer->place.layer_file(layer.path))) missing.push_back(layer.path);
@@ -160,7 +160,7 @@ editor::PaintSubject PaintTool::subject_of(const Context& context, const Painted
     subject.clip = clip_;
     subject.frame = performer.place.frame;
     const size_t painted = painted_layer(performer);
-    for (size_t i = 0; i < performer.layers.size(); i++) {
+    for (size_t i = 0; i < performer.layers.size(); ++i) {
         const stage::PaintLayer& entry = performer.layers[i].entry;
         if (!entry.visible || entry.opacity <= 0 || (without_painted && i == painted)) continue;
         if (auto layer = layer_at(context, performer.place.layer_file(performer.layers[i].path)))

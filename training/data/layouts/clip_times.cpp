@@ -114,7 +114,7 @@ class Clip {
         for (const auto& [moment, frame] : nearest) {
             numbers[frame.second] = moment;
             farthest = std::max(farthest, frame.first);
-            seen_by_[moment]++;
+            ++seen_by_[moment];
         }
         if (farthest > kNoticeable)
             result_.texts.emplace_back(

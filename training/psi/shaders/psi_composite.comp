@@ -16,7 +16,7 @@ void main() {
     const uint tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
     if (tile * push.samples_per_ray >= push.blocks) return;
     Composite sum = composite_begin();
-    for (uint i = 0u; i < push.samples_per_ray; i++) {
+    for (uint i = 0u; i < push.samples_per_ray; ++i) {
         const int at = int((tile * push.samples_per_ray + i) * kPsiBlock + lane);
         const vec4 value = FETCH(values, at);
         composite_add(sum, value.x, FETCH(points, at).w, value.yzw, 0.0);

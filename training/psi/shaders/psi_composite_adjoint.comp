@@ -21,7 +21,7 @@ void main() {
     const vec4 d_ray = FETCH(ray_adjoints, ray), traced = FETCH(radiance, ray);
     const Composite whole = Composite(traced.rgb, 1.0 - traced.a, 0.0);
     Composite sum = composite_begin();
-    for (uint i = 0u; i < push.samples_per_ray; i++) {
+    for (uint i = 0u; i < push.samples_per_ray; ++i) {
         const int at = int((tile * push.samples_per_ray + i) * kPsiBlock + lane);
         const vec4 value = FETCH(values, at);
         const float delta = FETCH(points, at).w;

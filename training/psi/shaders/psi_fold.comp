@@ -17,7 +17,7 @@ void main() {
     const uint row = push.output_offset + k * push.outputs;
     float value = 0.0;
     if (column < 2u)
-        for (uint c = 0u; c < push.bases; c++) value += row_at(column, c) * parameters[row + column * push.bases + c];
+        for (uint c = 0u; c < push.bases; ++c) value += row_at(column, c) * parameters[row + column * push.bases + c];
     else if (column - 2u + 2u * push.bases < push.outputs)
         value = parameters[row + 2u * push.bases + column - 2u];
     parameters[push.head_offset + i] = column == 0u ? push.density * value : value;

@@ -26,7 +26,7 @@ float row_gradient(uint kind, uint row, uint c) {
     const float share = row_share(row);
     if (share == 0.0) return 0.0;
     float sum = 0.0;
-    for (uint k = 0u; k <= kWidth; k++)
+    for (uint k = 0u; k <= kWidth; ++k)
         sum += parameters[push.output_offset + k * push.outputs + kind * push.bases + c] *
                gradients[push.head_offset + k * kHeadColumns + kind];
     return share * scale(kind) * sum;

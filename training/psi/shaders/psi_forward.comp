@@ -38,7 +38,7 @@ void main() {
     encode(FETCH(points, int(block * kPsiBlock + lane)).xyz);
     barrier();
     if (push.keep == kPsiKeepAll) keep_rows(kInputs, base);
-    for (uint layer = 0u; layer < kLayers; layer++) {
+    for (uint layer = 0u; layer < kLayers; ++layer) {
         layer_forward(layer == 0u ? kInputs : kWidth, psi_layer_offset(layer, kInputs, kWidth) / 4u, kWidth / 4u, true);
         if (push.keep == kPsiKeepAll) keep_rows(kWidth, base + kInputs + layer * kWidth);
     }

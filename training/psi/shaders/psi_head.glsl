@@ -18,11 +18,11 @@ vec3 head_colour(float gamma, vec3 direction) {
     const HhRadial radial = hh_radial(gamma);
     const float y[kMaxShCount] = sh_basis(direction);
     vec3 raw = vec3(0.0);
-    for (uint l = 0u; l <= kHhDegree; l++) {
+    for (uint l = 0u; l <= kHhDegree; ++l) {
         const vec4 row = radial_row(radial, l);
-        for (uint n = l; n <= kHhDegree; n++)
-            for (uint j = l * l; j < (l + 1u) * (l + 1u); j++)
-                for (uint channel = 0u; channel < 3u; channel++)
+        for (uint n = l; n <= kHhDegree; ++n)
+            for (uint j = l * l; j < (l + 1u) * (l + 1u); ++j)
+                for (uint channel = 0u; channel < 3u; ++channel)
                     raw[channel] += row[n] * y[j] * act_of_sample(head_column(channel, n, j));
     }
     return 1.0 / (1.0 + exp(-raw));
@@ -43,11 +43,11 @@ void head_adjoint(vec3 direction, vec3 colour, float d_sigma, vec3 d_colour, flo
     const float y[kMaxShCount] = sh_basis(direction);
     const vec3 d_raw = d_colour * colour * (1.0 - colour);
     float d_gamma = 0.0;
-    for (uint l = 0u; l <= kHhDegree; l++) {
+    for (uint l = 0u; l <= kHhDegree; ++l) {
         const vec4 row = radial_row(radial, l), slope_row = radial_row(slope, l);
-        for (uint n = l; n <= kHhDegree; n++)
-            for (uint j = l * l; j < (l + 1u) * (l + 1u); j++)
-                for (uint channel = 0u; channel < 3u; channel++) {
+        for (uint n = l; n <= kHhDegree; ++n)
+            for (uint j = l * l; j < (l + 1u) * (l + 1u); ++j)
+                for (uint channel = 0u; channel < 3u; ++channel) {
                     const uint column = head_column(channel, n, j);
                     d_gamma += slope_row[n] * y[j] * act_of_sample(column) * d_raw[channel];
                     set_act_of_sample(column, row[n] * y[j] * d_raw[channel]);
@@ -55,7 +55,7 @@ void head_adjoint(vec3 direction, vec3 colour, float d_sigma, vec3 d_colour, flo
     }
     set_act_of_sample(0u, relu_passes(act_of_sample(0u), d_sigma, revival) ? d_sigma : 0.0);
     set_act_of_sample(1u, d_gamma * gamma * (1.0 - gamma / kPi));
-    for (uint column = 2u + 3u * hh_count(kHhDegree); column < kHeadColumns; column++) set_act_of_sample(column, 0.0);
+    for (uint column = 2u + 3u * hh_count(kHhDegree); column < kHeadColumns; ++column) set_act_of_sample(column, 0.0);
 }
 
 #endif

@@ -34,26 +34,26 @@ void set_act_of_sample(uint row, float value) {
 void layer_forward(uint inputs, uint first, uint columns, bool relu) {
     const uint sample_texel = gl_LocalInvocationID.x / 8u * 2u, column = gl_LocalInvocationID.x % 8u;
     vec4 z[kTileColumns][8];
-    for (uint j = 0u; j < kTileColumns; j++) {
+    for (uint j = 0u; j < kTileColumns; ++j) {
         const vec4 bias = 8u * j < columns ? FETCH(parameters, int(first + inputs * columns + column + 8u * j))
                                            : vec4(0.0);
-        for (uint i = 0u; i < 8u; i++) z[j][i] = bias;
+        for (uint i = 0u; i < 8u; ++i) z[j][i] = bias;
     }
-    for (uint k = 0u; k < inputs; k++) {
+    for (uint k = 0u; k < inputs; ++k) {
         const vec4 h0 = act[k * kPsiBlockTexels + sample_texel], h1 = act[k * kPsiBlockTexels + sample_texel + 1u];
-        for (uint j = 0u; j < kTileColumns; j++) {
+        for (uint j = 0u; j < kTileColumns; ++j) {
             if (8u * j >= columns) break;
             const vec4 w = FETCH(parameters, int(first + k * columns + column + 8u * j));
-            for (uint i = 0u; i < 4u; i++) {
+            for (uint i = 0u; i < 4u; ++i) {
                 z[j][i] += h0[i] * w;
                 z[j][i + 4u] += h1[i] * w;
             }
         }
     }
     barrier();
-    for (uint j = 0u; j < kTileColumns; j++) {
+    for (uint j = 0u; j < kTileColumns; ++j) {
         if (8u * j >= columns) break;
-        for (uint m = 0u; m < 4u; m++) {
+        for (uint m = 0u; m < 4u; ++m) {
             const uint at = (4u * (column + 8u * j) + m) * kPsiBlockTexels + sample_texel;
             const vec4 a = vec4(z[j][0][m], z[j][1][m], z[j][2][m], z[j][3][m]);
             const vec4 b = vec4(z[j][4][m], z[j][5][m], z[j][6][m], z[j][7][m]);
@@ -68,24 +68,24 @@ void layer_forward(uint inputs, uint first, uint columns, bool relu) {
 void layer_adjoint(uint first, uint columns) {
     const uint sample_texel = gl_LocalInvocationID.x / 8u * 2u, column = gl_LocalInvocationID.x % 8u;
     vec4 d[kTileRows][2];
-    for (uint j = 0u; j < kTileRows; j++) d[j][0] = d[j][1] = vec4(0.0);
-    for (uint o = 0u; o < columns; o++) {
+    for (uint j = 0u; j < kTileRows; ++j) d[j][0] = d[j][1] = vec4(0.0);
+    for (uint o = 0u; o < columns; ++o) {
         vec4 z[4][2];
-        for (uint m = 0u; m < 4u; m++) {
+        for (uint m = 0u; m < 4u; ++m) {
             const uint at = (4u * o + m) * kPsiBlockTexels + sample_texel;
             z[m][0] = act[at];
             z[m][1] = act[at + 1u];
         }
-        for (uint j = 0u; j < kTileRows; j++) {
+        for (uint j = 0u; j < kTileRows; ++j) {
             const vec4 w = FETCH(parameters, int(first + (column + 8u * j) * columns + o));
-            for (uint m = 0u; m < 4u; m++) {
+            for (uint m = 0u; m < 4u; ++m) {
                 d[j][0] += w[m] * z[m][0];
                 d[j][1] += w[m] * z[m][1];
             }
         }
     }
     barrier();
-    for (uint j = 0u; j < kTileRows; j++) {
+    for (uint j = 0u; j < kTileRows; ++j) {
         const uint at = (column + 8u * j) * kPsiBlockTexels + sample_texel;
         act[at] = d[j][0];
         act[at + 1u] = d[j][1];

@@ -13,6 +13,6 @@ void main() {
     const uint i = gl_GlobalInvocationID.x;
     if (i >= push.count) return;
     float sum = 0.0;
-    for (uint split = 0u; split < push.splits; split++) sum += partials[split * push.count + i];
+    for (uint split = 0u; split < push.splits; ++split) sum += partials[split * push.count + i];
     gradients[i] = sum;
 }

@@ -32,7 +32,7 @@ void main() {
     const vec2 range = FETCH(ranges, int(ray.index)).xy;
     const float step = (range.y - range.x) / float(push.coarse);
     Composite whole = composite_begin();
-    for (uint i = 0u; i < push.coarse; i++) composite_add(whole, sigma_of(ray, i), step, vec3(0.0), 0.0);
+    for (uint i = 0u; i < push.coarse; ++i) composite_add(whole, sigma_of(ray, i), step, vec3(0.0), 0.0);
     const float alpha = 1.0 - whole.transmittance;
     // Where the coarse samples found nothing, the whole distribution is even.
     const float found = alpha > 1e-4 ? (1.0 - kFloor) / alpha : 0.0;
@@ -42,11 +42,11 @@ void main() {
     uint bin = 0u;
     float below = 0.0, share = even + found * composite_add(sum, sigma_of(ray, 0u), step, vec3(0.0), 0.0);
     float edge = range.x;
-    for (uint i = 0u; i < push.fine; i++) {
+    for (uint i = 0u; i < push.fine; ++i) {
         const float goal = float(i + 1u) / float(push.fine);
         while (below + share < goal && bin + 1u < push.coarse) {
             below += share;
-            bin++;
+            ++bin;
             share = even + found * composite_add(sum, sigma_of(ray, bin), step, vec3(0.0), 0.0);
         }
         const float inside = clamp((goal - below) / share, 0.0, 1.0);

@@ -34,7 +34,7 @@ void main() {
     STORE(directions, int(ray.index), vec4(ray.direction, 0.0));
     STORE(ranges, int(ray.index), vec4(range, 0.0, 0.0));
     const float step = (range.y - range.x) / float(push.coarse);
-    for (uint i = 0u; i < push.coarse; i++) {
+    for (uint i = 0u; i < push.coarse; ++i) {
         const float t = range.x + (float(i) + random_at(push.seed, ray.index, i)) * step;
         const vec3 at = (ray.origin + t * ray.direction - push.centre.xyz) * push.centre.w;
         STORE(points, int((tile_group() * push.coarse + i) * kPsiBlock + ray.in_tile), vec4(at, step));

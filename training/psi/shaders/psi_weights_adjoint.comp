@@ -21,13 +21,13 @@ void main() {
     const uint k0 = tile / column_tiles * 64u + lane / 8u * 8u, o0 = tile % column_tiles * 32u + lane % 8u * 4u;
     if (tile / column_tiles * 64u >= push.inputs) return;
     vec4 sum[8], bias = vec4(0.0);  // per input row: the sums of four columns
-    for (uint i = 0u; i < 8u; i++) sum[i] = vec4(0.0);
+    for (uint i = 0u; i < 8u; ++i) sum[i] = vec4(0.0);
     for (uint block = split; block < push.blocks; block += push.splits) {
         const uint h_row = block * kRows + push.input_row, z_row = block * kAdjointRows + push.output_row + o0;
-        for (uint q = 0u; q < kPsiBlockTexels; q++) {
+        for (uint q = 0u; q < kPsiBlockTexels; ++q) {
             mat4 z;  // ∂z of four columns of the layer × four samples
-            for (uint m = 0u; m < 4u; m++) z[m] = FETCH(adjoints, int((z_row + m) * kPsiBlockTexels + q));
-            for (uint i = 0u; i < 8u; i++) {
+            for (uint m = 0u; m < 4u; ++m) z[m] = FETCH(adjoints, int((z_row + m) * kPsiBlockTexels + q));
+            for (uint i = 0u; i < 8u; ++i) {
                 const uint k = min(k0 + i, push.inputs - 1u);
                 sum[i] += FETCH(activations, int((h_row + k) * kPsiBlockTexels + q)) * z;
             }
@@ -35,9 +35,9 @@ void main() {
         }
     }
     const uint base = split * push.partials_stride + push.matrix_offset + o0;
-    for (uint i = 0u; i < 8u; i++)
-        for (uint m = 0u; m < 4u; m++)
+    for (uint i = 0u; i < 8u; ++i)
+        for (uint m = 0u; m < 4u; ++m)
             if (k0 + i < push.inputs) partials[base + (k0 + i) * push.outputs + m] = sum[i][m];
     if (k0 == 0u)
-        for (uint m = 0u; m < 4u; m++) partials[base + push.inputs * push.outputs + m] = bias[m];
+        for (uint m = 0u; m < 4u; ++m) partials[base + push.inputs * push.outputs + m] = bias[m];
 }
