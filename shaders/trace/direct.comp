@@ -2,7 +2,7 @@
 // speed and correctness. Where kRayOutput is not kOutputRay, it traces an instance that has no slice, in the tiles that
 // the instance may cover.
 // Reads topology, weights and rows; writes as store_instance.glsl describes. One workgroup per tile, one thread per
-// ray. Bound by memory: 16·(2⌈C/4⌉ + N_HH) bytes per sample.
+// ray. Bound by memory: 16·(2⌈C/4⌉ + N_HH) bytes per sample. main() is in trace_rays.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"

@@ -1,6 +1,7 @@
 // Trace: the rays of tiles of 8×8 pixels through a slice with slots.
 // Reads topology, head (σ, slot) and SH of live leaves; writes radiance and depth. One workgroup per tile, one thread
-// per ray. Bound by the dependent fetches of the walk, then by (n_max+1)² texels of SH per sample.
+// per ray. Bound by the dependent fetches of the walk, then by (n_max+1)² texels of SH per sample. main() is in
+// trace_rays.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"

@@ -22,10 +22,10 @@ void FrameRenderer::record_readback() {
 }
 
 // Comments say what each pass reads → writes, by the names of buffers in their structs: Field, SliceTrees, TileRanges
-// (target_.ranges), RayBatch (target_.rays) and SetRaster. Passes of a slice are recorded in slice_tree.cpp, those of
-// one instance in performer.cpp (record_instance). With a set, the shadow maps of performers and set follow the slices,
-// and rays end at the set. Without a set, only the tiles of the image that an instance may cover are resolved, and
-// those that the last frame's instances may have covered; elsewhere the image stays as it is.
+// (target_.ranges), RayBatch (target_.rays) and SetRaster. Passes of a slice are recorded in volume/slice_tree.cpp,
+// those of one instance in volume/performer.cpp (record_instance). With a set, the shadow maps of performers and set
+// follow the slices, and rays end at the set. Without a set, only the tiles of the image that an instance may cover are
+// resolved, and those that the last frame's instances may have covered; elsewhere the image stays as it is.
 void FrameRenderer::record_playing(const FrameSettings& settings) {
     // Where the layout or the resolve settings are not those of the last image: ranges.covered, rays.cameras →
     // rays.radiance, rays.depth, ranges.covered, ranges.image_shown, image_

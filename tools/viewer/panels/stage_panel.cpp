@@ -276,7 +276,7 @@ void stage_panel(Context& context, const Area& area, StageTree& tree) {
     ImGui::Separator();
     if (tree.rows.empty())
         ImGui::TextWrapped("%s", context.editor.is_open()
-                                     ? "An empty stage. Drop a clip (.nvv, .npz) onto the image to begin."
+                                     ? "An empty stage. Drop a clip (.nvv, .nvs, .npz) onto the image to begin."
                                      : "Open or drop a stage or a clip to begin.");
     else
         draw_tree(context, tree);
