@@ -211,7 +211,7 @@ Scene psi_scene(uint64_t seed, uint32_t degree) {
     return with_tiles(scene, 3, 2, seed);
 }
 
-// The twin of psi_random.glsl.
+// The same as psi_random.glsl.
 uint32_t pcg(uint32_t value) {
     const uint32_t state = value * 747796405u + 2891336453u;
     const uint32_t word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
