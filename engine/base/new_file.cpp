@@ -26,6 +26,7 @@ constexpr std::string_view kMark = ".neuvv-";
 constexpr size_t kRandomLetters = 16;  // 80 bits
 constexpr size_t kMostOfName = 200;    // bytes; a name has at most 255
 constexpr mode_t kNewFileMode = 0666;  // less what the umask takes
+constexpr int kMostRefusedLocks = 100;
 constexpr int kNoLinks = O_CLOEXEC | O_NOFOLLOW;
 
 std::string random_letters() {
@@ -52,21 +53,24 @@ bool is_temporary_name(std::string_view name) {
            name.substr(name.size() - kRandomLetters - kMark.size()).starts_with(kMark);
 }
 
+enum class Lock { kTaken, kOfAnother, kNone };  // kNone: the file system has no locks
+
 // A lock that belongs to the open file, so that it ends with its process, however that ends, and is seen by other
 // containers of the machine and by other machines. Where the file system has no locks, files are not locked, and none
 // are taken for abandoned.
-bool lock(int descriptor) {
+Lock lock(int descriptor) {
     struct flock whole = {};
     whole.l_type = F_WRLCK;
     whole.l_whence = SEEK_SET;
-    return fcntl(descriptor, F_OFD_SETLK, &whole) == 0;
+    if (fcntl(descriptor, F_OFD_SETLK, &whole) == 0) return Lock::kTaken;
+    return errno == EAGAIN || errno == EACCES ? Lock::kOfAnother : Lock::kNone;
 }
 
 void remove_if_abandoned(const std::filesystem::path& file) {
     const Descriptor opened(open(file.c_str(), O_RDWR | O_NONBLOCK | kNoLinks));
     struct stat what = {};
     if (opened.number < 0 || fstat(opened.number, &what) != 0 || !S_ISREG(what.st_mode)) return;
-    if (lock(opened.number)) unlink(file.c_str());
+    if (lock(opened.number) == Lock::kTaken) unlink(file.c_str());
 }
 
 // Once a process for each folder, as reading a folder of many images takes long.
@@ -119,19 +123,20 @@ NewFile::NewFile(const std::filesystem::path& path) : path_(link_target(path)) {
     create();
 }
 
-// Between the creation and the lock, another process may take the file for abandoned and remove it.
+// Between the creation and the lock, another process may take the file for abandoned, lock it and remove it: then it
+// gets another name. A file system that refuses every lock so is one without locks.
 void NewFile::create() {
     struct stat old = {};
     const mode_t mode = stat(path_.c_str(), &old) == 0 ? old.st_mode & kNewFileMode : kNewFileMode;
-    for (;;) {
+    for (int refused = 0;;) {
         temporary_ = temporary_name(path_);
         descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | kNoLinks, mode | S_IRUSR | S_IWUSR);
         if (descriptor_ < 0 && errno == EEXIST) continue;
         if (descriptor_ < 0) fail_by_errno(path_, "create a file beside it");
-        lock(descriptor_);
+        const bool is_mine = lock(descriptor_) != Lock::kOfAnother || ++refused == kMostRefusedLocks;
         struct stat what = {};
-        if (fstat(descriptor_, &what) == 0 && what.st_nlink > 0) return;
-        close(descriptor_);
+        if (is_mine && fstat(descriptor_, &what) == 0 && what.st_nlink > 0) return;
+        discard();
     }
 }
 

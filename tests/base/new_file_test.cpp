@@ -5,11 +5,31 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdarg>
+#include <functional>
+#include <optional>
+
+#include "base/descriptor.h"
 #include "base/error.h"
 #include "support/temporary_folder.h"
+
+namespace {
+std::function<void(int descriptor)> before_lock;  // called before each lock that is asked for in this program
+}
+
+// In place of the C library's, for all of this program.
+extern "C" int fcntl(int descriptor, int command, ...) {
+    va_list arguments;
+    va_start(arguments, command);
+    void* const argument = va_arg(arguments, void*);
+    va_end(arguments);
+    if (command == F_OFD_SETLK && before_lock) before_lock(descriptor);
+    return static_cast<int>(syscall(SYS_fcntl, descriptor, command, argument));
+}
 
 namespace neuvv {
 namespace {
@@ -112,6 +132,29 @@ TEST(NewFile, WhatALivingProcessWritesIsLeftAlone) {
     put(written, "whole");
     written.finish();
     EXPECT_EQ(read_text(folder.path / "show.mp4"), "whole");
+}
+
+// A process that cleans the folder comes between the creation of a file and its lock, and is slow to remove it.
+TEST(NewFile, AFileThatIsTakenForAbandonedBeforeItsLockGetsAnotherName) {
+    const TemporaryFolder folder;
+    std::filesystem::path taken;
+    std::optional<Descriptor> cleaner;
+    before_lock = [&](int created) {
+        before_lock = {};
+        taken = std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(created));
+        cleaner.emplace(open(taken.c_str(), O_RDWR | O_CLOEXEC));
+        struct flock whole = {};
+        whole.l_type = F_WRLCK;
+        whole.l_whence = SEEK_SET;
+        ASSERT_EQ(fcntl(cleaner->number, F_OFD_SETLK, &whole), 0);
+    };
+    NewFile file(folder.path / "a");
+    ASSERT_TRUE(cleaner);
+    unlink(taken.c_str());
+    put(file, "new");
+    EXPECT_NO_THROW(file.finish());
+    EXPECT_EQ(read_text(folder.path / "a"), "new");
+    EXPECT_EQ(folder.entries(), 1u);
 }
 
 TEST(NewFile, NoGuessedLinkLeadsElsewhere) {
