@@ -119,12 +119,14 @@ Range range_of(std::string_view text) {
 }  // namespace
 
 struct HttpSource::Answer {
+    CURL* curl = nullptr;
     CURLcode code = CURLE_OK;
     long status = 0;
     uint64_t most = 0;  // bytes that are taken
     std::vector<uint8_t> bytes;
     std::string range;  // of the last answer's header
     std::string problem;
+    RedirectRule redirects;
 
     static size_t take(char* data, size_t one, size_t count, void* to) {
         auto& answer = *static_cast<Answer*>(to);
@@ -135,10 +137,14 @@ struct HttpSource::Answer {
     }
     static size_t take_header(char* data, size_t one, size_t count, void* to) {
         auto& answer = *static_cast<Answer*>(to);
-        std::string line(data, one * count);
-        for (char& letter : line)
-            if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-        if (line.starts_with("http/")) answer.range.clear();  // of a redirect
+        const std::string line = lower_case(std::string(data, one * count));
+        if (line.starts_with("http/")) {
+            answer.range.clear();  // of a redirect
+            const char* ip = "";
+            if (line.find(" 3") == line.find(' ') &&
+                curl_easy_getinfo(answer.curl, CURLINFO_PRIMARY_IP, &ip) == CURLE_OK)
+                answer.redirects.redirected_by(ip);
+        }
         if (line.starts_with("content-range:")) answer.range = line.substr(std::strlen("content-range:"));
         return one * count;
     }
@@ -163,7 +169,6 @@ HttpSource::HttpSource(std::string address, CachePlace cache, double most_s_a_bl
     curl_easy_setopt(curl_, CURLOPT_NOPROGRESS, 0L);
     curl_easy_setopt(curl_, CURLOPT_XFERINFOFUNCTION, &ends_transfer);
     curl_easy_setopt(curl_, CURLOPT_OPENSOCKETFUNCTION, &open_allowed);
-    curl_easy_setopt(curl_, CURLOPT_OPENSOCKETDATA, &redirects_);
     curl_easy_setopt(curl_, CURLOPT_WRITEFUNCTION, &Answer::take);
     curl_easy_setopt(curl_, CURLOPT_HEADERFUNCTION, &Answer::take_header);
     try {
@@ -191,6 +196,7 @@ HttpSource::Answer HttpSource::request(uint64_t offset, uint64_t count) {
     Watched watched{cancelled_, {server_of(address_), kBlock, most_s_a_block_}};  // all tries share the time
     for (int tries = 1;; ++tries) {
         Answer answer;
+        answer.curl = curl_;
         answer.most = count;
         char problem[CURL_ERROR_SIZE] = {};
         const std::string range = fmt::format("{}-{}", offset, offset + count - 1);
@@ -198,6 +204,7 @@ HttpSource::Answer HttpSource::request(uint64_t offset, uint64_t count) {
         curl_easy_setopt(curl_, CURLOPT_RANGE, range.c_str());
         curl_easy_setopt(curl_, CURLOPT_WRITEDATA, &answer);
         curl_easy_setopt(curl_, CURLOPT_HEADERDATA, &answer);
+        curl_easy_setopt(curl_, CURLOPT_OPENSOCKETDATA, &answer.redirects);
         curl_easy_setopt(curl_, CURLOPT_ERRORBUFFER, problem);
         answer.code = curl_easy_perform(curl_);
         curl_easy_setopt(curl_, CURLOPT_ERRORBUFFER, nullptr);
@@ -207,7 +214,7 @@ HttpSource::Answer HttpSource::request(uint64_t offset, uint64_t count) {
         if (watched.watch.was_too_slow())
             answer.problem =
                 fmt::format("{} sends less than {} kB in {} s", server_of(address_), kBlock >> 10, most_s_a_block_);
-        if (watched.watch.was_too_slow() || redirects_.has_refused()) return answer;
+        if (watched.watch.was_too_slow() || answer.redirects.has_refused()) return answer;
         const bool passing = answer.code == CURLE_OK ? is_passing(answer.status) : is_passing(answer.code);
         if (!passing || tries == kTries || cancelled_) return answer;
         std::unique_lock lock(mutex_);
@@ -222,7 +229,7 @@ void HttpSource::require_range(const Answer& answer, uint64_t offset, uint64_t c
     };
     if (answer.status == 200)
         fail("is sent as a whole, not by ranges", "put it on a server that answers range requests");
-    if (redirects_.has_refused())
+    if (answer.code != CURLE_OK && answer.redirects.has_refused())
         fail("the server redirects to an address in this machine's own network", "open that address itself");
     if (may_pass(answer.code))
         throw ServerProblem(address_, "", fmt::format("cannot be read: {}", answer.problem),

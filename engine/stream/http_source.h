@@ -59,7 +59,6 @@ class HttpSource : public ByteSource {
     void use_locked(uint64_t block);
     std::string address_;
     double most_s_a_block_;
-    RedirectRule redirects_;
     void* curl_ = nullptr;  // CURL: the constructor's, then the thread's
     std::atomic<bool> cancelled_ = false;
     std::optional<BlockCache> cache_;  // since the first block is here

@@ -67,11 +67,21 @@ Nearness nearness_of(const sockaddr& address) {
     return Nearness::kOwnMachine;
 }
 
+void RedirectRule::redirected_by(const char* ip) {
+    if (limit_) return;
+    in_addr v4 = {};
+    in6_addr v6 = {};
+    limit_ = Nearness::kPublic;
+    if (inet_pton(AF_INET, ip, &v4) == 1)
+        limit_ = nearness_of_v4(ntohl(v4.s_addr));
+    else if (inet_pton(AF_INET6, ip, &v6) == 1)
+        limit_ = nearness_of_v6(v6);
+}
+
 bool RedirectRule::allows(const sockaddr& address) {
-    const Nearness nearness = nearness_of(address);
-    if (!own_) own_ = nearness;
-    has_refused_ = has_refused_ || nearness > *own_;
-    return nearness <= *own_;
+    const bool allowed = !limit_ || nearness_of(address) <= *limit_;
+    has_refused_ = has_refused_ || !allowed;
+    return allowed;
 }
 
 TransferWatch::TransferWatch(std::string server, uint64_t block_bytes, double most_s_a_block)

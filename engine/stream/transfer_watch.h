@@ -16,15 +16,17 @@ enum class Nearness { kPublic, kOwnNetwork, kOwnMachine };
 Nearness nearness_of(const sockaddr& address);
 
 // Redirects may not lead nearer to this machine than the address does that was asked: else a stage of somebody else, or
-// the server that it names, could make this program ask the router, or a service that trusts this machine.
+// the server that it names, could make this program ask the router, or a service that trusts this machine. An object is
+// of one request: until the server redirects, all addresses that its name has may be tried.
 class RedirectRule {
   public:
-    // Of all addresses that are connected to, in order; the first is the server's own.
+    // The server at this IP address has answered with a redirect. Only the first of them sets the limit.
+    void redirected_by(const char* ip);
     bool allows(const sockaddr& address);
     bool has_refused() const { return has_refused_; }
 
   private:
-    std::optional<Nearness> own_;
+    std::optional<Nearness> limit_;
     bool has_refused_ = false;
 };
 

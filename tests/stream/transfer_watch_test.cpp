@@ -46,22 +46,35 @@ TEST(Nearness, TellsOwnNetworksFromOthers) {
 
 TEST(RedirectRule, NeverLeadsNearerToThisMachine) {
     RedirectRule of_public;
-    EXPECT_TRUE(allows(of_public, "8.8.8.8"));
+    of_public.redirected_by("8.8.8.8");
     EXPECT_TRUE(allows(of_public, "2606:4700::1"));
     EXPECT_FALSE(of_public.has_refused());
     EXPECT_FALSE(allows(of_public, "192.168.1.1"));
-    EXPECT_FALSE(allows(of_public, "127.0.0.1"));
+    of_public.redirected_by("192.168.1.1");
+    EXPECT_FALSE(allows(of_public, "127.0.0.1")) << "the first redirect counts";
     EXPECT_FALSE(allows(of_public, "::ffff:10.0.0.1"));
     EXPECT_TRUE(of_public.has_refused());
     RedirectRule of_studio;
-    EXPECT_TRUE(allows(of_studio, "192.168.1.9"));
+    of_studio.redirected_by("fd00::1");
     EXPECT_TRUE(allows(of_studio, "10.1.2.3"));
     EXPECT_TRUE(allows(of_studio, "8.8.8.8"));
     EXPECT_FALSE(allows(of_studio, "169.254.169.254"));
     RedirectRule of_this_machine;
-    EXPECT_TRUE(allows(of_this_machine, "127.0.0.1"));
+    of_this_machine.redirected_by("127.0.0.1");
     EXPECT_TRUE(allows(of_this_machine, "192.168.1.1"));
     EXPECT_FALSE(of_this_machine.has_refused());
+    RedirectRule of_unknown;
+    of_unknown.redirected_by("nowhere");
+    EXPECT_FALSE(allows(of_unknown, "192.168.1.1"));
+}
+
+// A name may have addresses out there and in here, which are tried in any order.
+TEST(RedirectRule, AllAddressesOfTheServerItselfMayBeTried) {
+    RedirectRule rule;
+    for (const char* text : {"2606:4700::1", "192.168.1.9", "127.0.0.1"}) EXPECT_TRUE(allows(rule, text)) << text;
+    EXPECT_FALSE(rule.has_refused());
+    rule.redirected_by("2606:4700::1");
+    EXPECT_FALSE(allows(rule, "192.168.1.9")) << "that another address may be tried opens no way in";
 }
 
 TEST(TransferWatch, EachBlockHasItsTime) {
