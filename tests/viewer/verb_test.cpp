@@ -39,6 +39,8 @@ TEST(VerbForm, ProgressIsReadFromWhatVerbsPrint) {
     EXPECT_NEAR(progress_of("1:00:00 eta 3:00:00 | 300k rays/s"), 0.25, 1e-9);
     EXPECT_LT(progress_of("wrote a.nvv: 58319 leaves after 420 steps, 15.9 epochs, 42.4 s"), 0);
     EXPECT_LT(progress_of("frames 0/1 of a clip"), 0);
+    EXPECT_LT(progress_of(std::string(65536, '1')), 0) << "as long as a line of a program may be";
+    EXPECT_NEAR(progress_of("render 1/4  elapsed 1.0 s  " + std::string(65536, 'x')), 0.25, 1e-9);
 }
 
 struct RunningVerb : testing::Test {

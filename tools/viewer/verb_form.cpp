@@ -151,13 +151,16 @@ std::filesystem::path output_of(const VerbForm& form, std::span<const std::strin
 }
 
 double progress_of(const std::string& line) {
+    // Progress stands at the beginning. std::regex recurses for each byte, and its time grows with their square.
+    constexpr size_t kMostBytes = 300;
+    const std::string begin = line.substr(0, kMostBytes);
     static const std::regex kDone(R"(\s(\d+)/(\d+)\s+elapsed)"), kTimes(R"(([\d.:]+)(?: s)? eta ([\d.:]+))");
     std::smatch found;
-    if (std::regex_search(line, found, kDone)) {
+    if (std::regex_search(begin, found, kDone)) {
         const double done = std::stod(found[1]), all = std::stod(found[2]);
         return all > 0 ? std::min(1.0, done / all) : -1;
     }
-    if (std::regex_search(line, found, kTimes)) {
+    if (std::regex_search(begin, found, kTimes)) {
         const double elapsed = seconds_of(found[1]), left = seconds_of(found[2]);
         return elapsed + left > 0 ? elapsed / (elapsed + left) : -1;
     }
