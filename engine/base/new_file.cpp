@@ -26,6 +26,7 @@ constexpr std::string_view kMark = ".neuvv-";
 constexpr size_t kRandomLetters = 16;  // 80 bits
 constexpr size_t kMostOfName = 200;    // bytes; a name has at most 255
 constexpr mode_t kNewFileMode = 0666;  // less what the umask takes
+constexpr mode_t kOwnFileMode = 0600;  // until the file gets the owner and the permissions of the one it replaces
 constexpr int kMostRefusedLocks = 100;
 constexpr int kNoLinks = O_CLOEXEC | O_NOFOLLOW;
 
@@ -126,8 +127,8 @@ NewFile::NewFile(const std::filesystem::path& path) : path_(link_target(path)) {
 // Between the creation and the lock, another process may take the file for abandoned, lock it and remove it: then it
 // gets another name. A file system that refuses every lock so is one without locks.
 void NewFile::create() {
-    struct stat old = {};
-    const mode_t mode = stat(path_.c_str(), &old) == 0 ? old.st_mode & kNewFileMode : kNewFileMode;
+    std::error_code error;
+    const mode_t mode = std::filesystem::exists(path_, error) ? kOwnFileMode : kNewFileMode;
     for (int refused = 0;;) {
         temporary_ = temporary_name(path_);
         descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | kNoLinks, mode | S_IRUSR | S_IWUSR);

@@ -190,9 +190,11 @@ TEST(NewFile, AReplacedFileKeepsItsPermissionsAndItsLink) {
 TEST(NewFile, AReplacedFileIsReadableToNobodyElseWhileItIsWritten) {
     const TemporaryFolder folder;
     put(folder.path / "secret", "old");
-    ASSERT_EQ(chmod((folder.path / "secret").c_str(), 0600), 0);
-    const NewFile file(folder.path / "secret");
-    EXPECT_EQ(mode_of(temporary_in(folder.path)), 0600u);
+    for (const mode_t mode : {0600, 0640, 0660}) {  // the group of what is written is not yet that of the file
+        ASSERT_EQ(chmod((folder.path / "secret").c_str(), mode), 0);
+        const NewFile file(folder.path / "secret");
+        EXPECT_EQ(mode_of(temporary_in(folder.path)), 0600u);
+    }
 }
 
 TEST(NewFile, WriteProtectedFilesStay) {
