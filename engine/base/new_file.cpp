@@ -209,6 +209,7 @@ void replace_file(const std::filesystem::path& path, const std::filesystem::path
 
 std::filesystem::path link_target(std::filesystem::path path) {
     std::error_code error;
+    if (!path.has_filename()) path = path.parent_path();
     for (int hops = 0; hops < kMaxLinks && std::filesystem::is_symlink(path, error); ++hops)
         path = path.parent_path() / std::filesystem::read_symlink(path, error);
     return path;

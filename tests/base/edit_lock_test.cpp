@@ -32,6 +32,13 @@ TEST(EditLock, NoChangeIsLost) {
     EXPECT_EQ(folder.entries(), 2u) << "the lock stayed";
 }
 
+TEST(EditLock, AFolderHasOneLockWithASlashAndWithout) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder.path / "look.nvpaint");
+    const EditLock lock(folder.path / "look.nvpaint/");
+    EXPECT_TRUE(is_file_locked(folder.path / ".look.nvpaint.lock"));
+}
+
 TEST(FileLock, NoFileOfAnotherNameIsTaken) {
     const TemporaryFolder folder;
     write_text(folder.path / "dear", "dear");
