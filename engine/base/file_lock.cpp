@@ -33,11 +33,38 @@ bool is_at(int descriptor, const std::filesystem::path& file) {
            open_file.st_dev == at_path.st_dev && open_file.st_ino == at_path.st_ino;
 }
 
+// Whoever may write into the folder of a new lock's file may lock it, too, whatever the umask says: the users of a
+// group's folder keep each other waiting.
+void share_with_folder(int descriptor, const std::filesystem::path& file) {
+    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    struct stat of_folder = {}, of_file = {};
+    if (stat(folder.c_str(), &of_folder) != 0 || fstat(descriptor, &of_file) != 0) return;
+    const bool group_is_kept = fchown(descriptor, of_folder.st_uid, of_folder.st_gid) == 0 ||
+                               fchown(descriptor, static_cast<uid_t>(-1), of_folder.st_gid) == 0 ||
+                               of_file.st_gid == of_folder.st_gid;
+    mode_t mode = of_file.st_mode & 0777;
+    if (group_is_kept && of_folder.st_mode & S_IWGRP) mode |= S_IRGRP | S_IWGRP;
+    if (of_folder.st_mode & S_IWOTH) mode |= S_IROTH | S_IWOTH;
+    if (fchmod(descriptor, mode) != 0) return;  // a file system without permissions
+}
+
+// Opens the file, or creates it. The system may refuse to create what is there and belongs to somebody else, so that
+// these are two calls.
+int open_or_create(const std::filesystem::path& file) {
+    constexpr int kFlags = O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
+    for (;;) {
+        int descriptor = open(file.c_str(), kFlags);
+        if (descriptor >= 0 || errno != ENOENT) return descriptor;
+        descriptor = open(file.c_str(), kFlags | O_CREAT | O_EXCL, 0666);
+        if (descriptor >= 0) share_with_folder(descriptor, file);
+        if (descriptor >= 0 || errno != EEXIST) return descriptor;
+    }
+}
+
 // Creates the file where it is missing. Links are not followed, and no file is taken that has another name, too, as
 // what is written would replace that file's content.
 int open_for_lock(const std::filesystem::path& file) {
-    constexpr int kFlags = O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
-    const int descriptor = open(file.c_str(), kFlags, 0666);
+    const int descriptor = open_or_create(file);
     struct stat what = {};
     if (descriptor < 0 || (fstat(descriptor, &what) == 0 && S_ISREG(what.st_mode) && what.st_nlink <= 1))
         return descriptor;
@@ -100,6 +127,7 @@ namespace {
 
 constexpr size_t kMostOfLockName = 200;  // bytes; a name has at most 255
 constexpr std::chrono::milliseconds kAskAgain{20}, kSayThatItWaits{1000};
+constexpr int kMostFailures = 2;
 
 std::filesystem::path edit_lock_path(const std::filesystem::path& file) {
     const std::filesystem::path target = link_target(file);
@@ -111,17 +139,19 @@ std::filesystem::path edit_lock_path(const std::filesystem::path& file) {
 EditLock::EditLock(const std::filesystem::path& file, const std::function<void()>& waiting)
     : path_(edit_lock_path(file)) {
     std::chrono::milliseconds waited{0};
-    try {
-        while (!(lock_ = FileLock::try_lock(path_))) {
-            if (waited == kSayThatItWaits && waiting) waiting();
-            if (stop_requested()) break;
-            std::this_thread::sleep_for(kAskAgain);
-            waited += kAskAgain;
+    for (int failures = 0;; waited += kAskAgain) {
+        try {
+            if ((lock_ = FileLock::try_lock(path_))) return;
+        } catch (const RuntimeFailure&) {
+            // It may be the file of another user, who has the lock or has just removed it; else there are no locks
+            // here.
+            if (!is_file_locked(path_) && ++failures == kMostFailures) return;
         }
-    } catch (const RuntimeFailure&) {  // no locks here
-        return;
+        if (waited == kSayThatItWaits && waiting) waiting();
+        if (stop_requested())
+            throw RuntimeFailure(fmt::format("{}: stopped while another program was editing it", file.string()));
+        std::this_thread::sleep_for(kAskAgain);
     }
-    if (!lock_) throw RuntimeFailure(fmt::format("{}: stopped while another program was editing it", file.string()));
 }
 
 // The file is removed while it is locked, so that nobody's lock on a file that is gone counts (FileLock).

@@ -131,7 +131,7 @@ void NewFile::create() {
     const mode_t mode = std::filesystem::exists(path_, error) ? kOwnFileMode : kNewFileMode;
     for (int refused = 0;;) {
         temporary_ = temporary_name(path_);
-        descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | kNoLinks, mode | S_IRUSR | S_IWUSR);
+        descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | kNoLinks, mode);
         if (descriptor_ < 0 && errno == EEXIST) continue;
         if (descriptor_ < 0) fail_by_errno(path_, "create a file beside it");
         const bool is_mine = lock(descriptor_) != Lock::kOfAnother || ++refused == kMostRefusedLocks;
@@ -207,9 +207,10 @@ void replace_file(const std::filesystem::path& path, const std::filesystem::path
     put_in_place(file.number, finished, path, NewFile::Sync::kYes);
 }
 
+// A folder's path may end with a slash, behind which there is no name.
 std::filesystem::path link_target(std::filesystem::path path) {
-    std::error_code error;
     if (!path.has_filename()) path = path.parent_path();
+    std::error_code error;
     for (int hops = 0; hops < kMaxLinks && std::filesystem::is_symlink(path, error); ++hops)
         path = path.parent_path() / std::filesystem::read_symlink(path, error);
     return path;

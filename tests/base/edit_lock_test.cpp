@@ -1,5 +1,8 @@
 // Whoever reads, changes and writes a file keeps others from that meanwhile.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <thread>
 #include <vector>
@@ -30,6 +33,41 @@ TEST(EditLock, NoChangeIsLost) {
     for (std::thread& thread : threads) thread.join();
     EXPECT_EQ(read_text(file), "20");
     EXPECT_EQ(folder.entries(), 2u) << "the lock stayed";
+}
+
+TEST(EditLock, WhoeverMayWriteTheFolderMayLock) {
+    const TemporaryFolder folder;
+    const auto mode_in_folder_of = [&](mode_t mode) {
+        EXPECT_EQ(chmod(folder.path.c_str(), mode), 0);
+        const EditLock lock(folder.path / "file");
+        struct stat what = {};
+        EXPECT_EQ(stat((folder.path / ".file.lock").c_str(), &what), 0);
+        return what.st_mode & 0777;
+    };
+    const mode_t umask_before = umask(077);
+    EXPECT_EQ(mode_in_folder_of(0755), 0600u);
+    EXPECT_EQ(mode_in_folder_of(0775), 0660u);
+    EXPECT_EQ(mode_in_folder_of(0777), 0666u);
+    umask(umask_before);
+}
+
+// Of a user whose file nobody else may write.
+TEST(EditLock, AnotherUsersLockIsWaitedFor) {
+    constexpr uid_t kNobody = 65534;
+    if (geteuid() != 0) GTEST_SKIP() << "needs the superuser, who becomes another user";
+    const TemporaryFolder folder;
+    ASSERT_EQ(chmod(folder.path.c_str(), 0777), 0);
+    const EditLock lock(folder.path / "file");
+    ASSERT_EQ(chmod((folder.path / ".file.lock").c_str(), 0644), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        if (setuid(kNobody) != 0) _exit(2);
+        const EditLock other(folder.path / "file", [] { _exit(0); });
+        _exit(1);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
 }
 
 TEST(EditLock, AFolderHasOneLockWithASlashAndWithout) {
