@@ -50,6 +50,11 @@ uint64_t hash_of(const std::vector<uint8_t>& bytes) {
     return XXH3_64bits(bytes.data(), bytes.size());
 }
 
+uint64_t hash_of(const voctree::EditLayer& layer) {
+    static_assert(sizeof(voctree::LeafEdit) == 8 * sizeof(float), "no bytes between the members");
+    return XXH3_64bits(layer.edits.data(), layer.edits.size() * sizeof(voctree::LeafEdit));
+}
+
 // Every value of an entry is checked when it is read.
 constexpr JsonDamage kDamaged{"is missing or damaged", "discard what cannot be recovered"};
 
@@ -121,9 +126,11 @@ void restore_layer(Document& document, const ordered_json& json, const RecoveryE
     const std::filesystem::path path = path_of(node["path"]);
     document.paint[path] = std::make_shared<const voctree::EditLayer>(voctree::read_paint(entry.folder / name, field));
     std::error_code error;
-    if (!std::filesystem::exists(path, error)) return;
-    try {  // how the layer was when it was opened is not known
-        document.saved_paint[path] = std::make_shared<const voctree::EditLayer>(voctree::read_paint(path, field));
+    if (!node.value.contains("saved") || !std::filesystem::exists(path, error)) return;
+    const uint64_t saved = hex_of(node["saved"]);
+    try {
+        auto disk = std::make_shared<const voctree::EditLayer>(voctree::read_paint(path, field));
+        if (hash_of(*disk) == saved) document.saved_paint[path] = std::move(disk);
     } catch (const InputError&) {  // saving keeps what is there
     }
 }
@@ -148,16 +155,17 @@ void RecoveryWriter::make_entry() {
 RecoveryWriter::StoredLayers RecoveryWriter::store_layers(const Document& document) {
     StoredLayers stored;
     for (const auto& [path, layer] : document.paint) {
-        const auto saved = document.saved_paint.find(path);
-        if (saved != document.saved_paint.end() && saved->second == layer) continue;
+        const auto found = document.saved_paint.find(path);
+        const auto saved = found == document.saved_paint.end() ? nullptr : found->second;
+        if (saved == layer) continue;
         const auto before = layers_.find(path);
         if (before != layers_.end() && before->second.layer == layer) {
-            stored[path] = before->second;
+            stored[path] = {layer, saved, before->second.file};
             continue;
         }
         const std::string name = fmt::format("{}.nvpaint", next_layer_++);
         voctree::write_paint(entry_ / name, *layer);
-        stored[path] = {layer, name};
+        stored[path] = {layer, saved, name};
     }
     return stored;
 }
@@ -179,13 +187,8 @@ std::filesystem::path recovery_folder() {
 void RecoveryWriter::store(const Document& document) {
     if (entry_.empty()) make_entry();
     StoredLayers layers = store_layers(document);
-    const auto same_layers = [&] {
-        return std::equal(
-            layers.begin(), layers.end(), layers_.begin(), layers_.end(),
-            [](const auto& a, const auto& b) { return a.first == b.first && a.second.file == b.second.file; });
-    };
     const bool same_disk = file_.saved == document.file.saved;
-    if (same_disk && file_.path == document.file.path && same_layers() && file_.json == document.file.json) return;
+    if (same_disk && file_.path == document.file.path && layers == layers_ && file_.json == document.file.json) return;
     const uint64_t hash = document.disk_is_foreign ? 0 : same_disk ? disk_hash_ : hash_of(document.file.saved->bytes);
     ordered_json json = {{"version", kVersion},
                          {"stage", escaped(stage::absolute_path(document.file.path))},
@@ -194,12 +197,14 @@ void RecoveryWriter::store(const Document& document) {
                          {"on_disk", document.file.saved->on_disk},
                          {"disk_hash", hex(hash)},
                          {"paint", ordered_json::array()}};
-    for (const auto& [path, stored] : layers)
+    for (const auto& [path, stored] : layers) {
         json["paint"].push_back({{"path", escaped(path)},
                                  {"file", stored.file},
                                  {"topology", hex(stored.layer->field.topology)},
                                  {"leaves", stored.layer->field.leaf_count},
                                  {"frames", stored.layer->field.frames}});
+        if (stored.saved) json["paint"].back()["saved"] = hex(hash_of(*stored.saved));
+    }
     json["document"] = document.file.json.text();
     const std::string text = indented_text(json, 1);
     write_file_atomically(entry_ / kEntryName, [&](const ByteSink& sink) { sink(text.data(), text.size()); });

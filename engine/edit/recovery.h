@@ -32,8 +32,9 @@ class RecoveryWriter {
 
   private:
     struct StoredLayer {
-        std::shared_ptr<const voctree::EditLayer> layer;
+        std::shared_ptr<const voctree::EditLayer> layer, saved;  // saved: as the disk has it; null for a new one
         std::string file;
+        bool operator==(const StoredLayer&) const = default;
     };
     using StoredLayers = std::map<std::filesystem::path, StoredLayer>;
     void make_entry();
@@ -69,7 +70,8 @@ std::vector<RecoveryEntry> list_recovery(const std::filesystem::path& folder);
 std::vector<RecoveryEntry> find_recovery(const std::filesystem::path& folder, const std::filesystem::path& stage);
 
 // The document as it was stored, with the disk's present version as its saved state; a History of it should begin with
-// mark_unsaved. Throws InputError for damaged entries, for documents that could not be saved, and where a .glb is
+// mark_unsaved. A layer that another program has painted since has no saved state, so that saving keeps that version.
+// Throws InputError for damaged entries, for documents that could not be saved, and where a .glb is
 // missing whose buffers the document needs.
 Document restore(const RecoveryEntry& entry);
 

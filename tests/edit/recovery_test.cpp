@@ -65,6 +65,42 @@ TEST_F(Recovery, ADocumentComesBackAsItWas) {
     EXPECT_TRUE(std::filesystem::is_empty(entries));
 }
 
+TEST_F(Recovery, PaintOfAnotherProgramSinceTheCrashIsKept) {
+    voctree::write_paint(at("red.nvpaint"), *layer(0.25f));
+    for (const char* name : {"red.nvpaint", "new.nvpaint"}) edit::add_paint_layer(document.file, 4, at(name), {});
+    edit::open_paint(document, at("red.nvpaint"), field);
+    document.paint[at("red.nvpaint")] = document.paint[at("new.nvpaint")] = layer(0.5f);
+    { edit::RecoveryWriter(entries).store(document); }
+    for (const char* name : {"red.nvpaint", "new.nvpaint"}) voctree::write_paint(at(name), *layer(0.75f));
+    edit::RecoveryWriter again(entries);
+    again.store(edit::restore(only_entry()));
+    ASSERT_EQ(edit::list_recovery(entries).size(), 2u);
+    for (const edit::RecoveryEntry& entry : edit::list_recovery(entries)) {
+        edit::Document back = edit::restore(entry);
+        EXPECT_EQ(edit::save_document(back, back.file.path).size(), 2u) << "also when it is recovered once more";
+        for (const char* name : {"red", "new"}) {
+            const std::filesystem::path mine = at(std::string(name) + ".nvpaint"),
+                                        theirs = at(std::string(name) + "-theirs.nvpaint");
+            EXPECT_EQ(voctree::read_paint(mine, field).edits, layer(0.5f)->edits);
+            EXPECT_EQ(voctree::read_paint(theirs, field).edits, layer(0.75f)->edits);
+            std::filesystem::rename(theirs, mine);
+        }
+    }
+}
+
+// What the disk has may change while the painted layer stays: by a save of an older state.
+TEST_F(Recovery, WhatTheDiskHasIsStoredWithEachSave) {
+    edit::add_paint_layer(document.file, 4, at("red.nvpaint"), {});
+    document.paint[at("red.nvpaint")] = layer(0.5f);
+    edit::RecoveryWriter writer(entries);
+    writer.store(document);
+    document.saved_paint[at("red.nvpaint")] = layer(0.25f);
+    voctree::write_paint(at("red.nvpaint"), *layer(0.25f));
+    writer.store(document);
+    edit::Document back = edit::restore(only_entry());
+    EXPECT_TRUE(edit::save_document(back, back.file.path).empty()) << "nobody else has painted";
+}
+
 // Of a layer on a clip in segments, the files that were painted.
 TEST_F(Recovery, PaintOfSegmentsComesBackFileByFile) {
     const std::filesystem::path look = at("look.nvpaint"), first = look / "000000.nvpaint",
@@ -196,6 +232,8 @@ TEST_F(Recovery, PathsAreBytes) {
 
 TEST_F(Recovery, DamagedEntriesAreRefusedAndHideNoOthers) {
     EXPECT_TRUE(edit::list_recovery(at("no such folder")).empty());
+    voctree::write_paint(at("red.nvpaint"), *layer(0.25f));
+    document.saved_paint[at("red.nvpaint")] = layer(0.25f);
     document.paint[at("red.nvpaint")] = layer(0.5f);
     edit::RecoveryWriter writer(entries), sound(entries);
     writer.store(document);
@@ -224,6 +262,7 @@ TEST_F(Recovery, DamagedEntriesAreRefusedAndHideNoOthers) {
     refused("\"0.nvpaint\"", "\"..\"", {"entry.json", "file"}, true);
     refused("\"0.nvpaint\"", "\"1.nvpaint\"", {"1.nvpaint"}, true);
     refused("\"leaves\": ", "\"leaves\": 1", {"0.nvpaint"}, true);
+    refused("\"saved\": \"", "\"saved\": \"x", {"saved"}, true);
     refused("\"topology\": \"", "\"topology\": \"x", {"topology"}, true);
     refused("\"document\": \"{", "\"document\": \"[", {"entry.json"}, true);
     refused("\\\"version\\\":\\\"2.0\\\"", "\\\"version\\\":\\\"1.0\\\"", {"glTF 1.0"}, true);
