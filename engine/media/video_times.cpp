@@ -14,7 +14,12 @@ namespace neuvv::media {
 namespace {
 
 constexpr double kSameRate = 5e-4;  // half of what tells 30 from 29.97 frames a second
+constexpr double kRounding = 1e-6;
 constexpr uint32_t kTimecodeTag = MKTAG('t', 'm', 'c', 'd');
+
+bool is_rate(AVRational rate) {
+    return rate.num > 0 && rate.den > 0;
+}
 
 // The times of frames whose decoding times, which the index has, are even and hence those of their display, too. Empty
 // where they are not, or where an edit list cuts.
@@ -44,7 +49,7 @@ std::vector<double> times_by_packets(VideoInput& input) {
     const AVRational rate = input.stream().avg_frame_rate;
     if (!timed)
         for (size_t i = 0; i < times.size(); ++i)
-            times[i] = rate.num > 0 && rate.den > 0 ? static_cast<double>(i) / av_q2d(rate) : static_cast<double>(i);
+            times[i] = is_rate(rate) ? static_cast<double>(i) / av_q2d(rate) : static_cast<double>(i);
     std::sort(times.begin(), times.end());
     return times;
 }
@@ -57,7 +62,7 @@ std::optional<double> timecode_of(const VideoInput& input, double fps) {
     for (unsigned i = 0; i < input.context().nb_streams; ++i) {
         const AVStream& track = *input.context().streams[i];
         if (track.codecpar->codec_tag != kTimecodeTag) continue;
-        if (track.avg_frame_rate.num > 0 && track.avg_frame_rate.den > 0) rate = track.avg_frame_rate;
+        if (is_rate(track.avg_frame_rate)) rate = track.avg_frame_rate;
         if (!text) text = av_dict_get(track.metadata, "timecode", nullptr, 0);
     }
     AVTimecode code{};
@@ -66,18 +71,45 @@ std::optional<double> timecode_of(const VideoInput& input, double fps) {
     return code.start / av_q2d(rate);
 }
 
+// Whether frames of this rate, most of which follow each other, are shown at these times, to a tick.
+bool are_of_rate(const std::vector<double>& times_s, double fps, double tick_s) {
+    double last = 0;
+    size_t next = 0;
+    for (size_t i = 1; i < times_s.size(); ++i) {
+        const double at = (times_s[i] - times_s[0]) * fps, frame = std::round(at);
+        if (frame <= last || std::abs(at - frame) > tick_s * fps + kRounding) return false;
+        next += frame == last + 1;
+        last = frame;
+    }
+    return 2 * next + 1 > times_s.size();
+}
+
+// That which the file names, where it is that of its times. Its average is none that counts: a lacking frame lowers it.
+double recorded_rate(const AVStream& stream, const std::vector<double>& times_s) {
+    const double tick_s = av_q2d(stream.time_base), counted = rate_of(times_s, tick_s);
+    if (counted == 0) return is_rate(stream.avg_frame_rate) ? av_q2d(stream.avg_frame_rate) : 0;
+    if (!is_rate(stream.r_frame_rate)) return counted;
+    const double named = av_q2d(stream.r_frame_rate);
+    return are_of_rate(times_s, named, tick_s) || std::abs(named / counted - 1) < kSameRate ? named : counted;
+}
+
 }  // namespace
 
-double rate_of(const std::vector<double>& times_s) {
+double rate_of(const std::vector<double>& times_s, double tick_s) {
     std::vector<double> gaps;
     for (size_t i = 1; i < times_s.size(); ++i) gaps.push_back(times_s[i] - times_s[i - 1]);
     if (gaps.empty()) return 0;
     const auto middle = gaps.begin() + static_cast<ptrdiff_t>(gaps.size() / 2);
     std::nth_element(gaps.begin(), middle, gaps.end());
-    const double usual = *middle;
-    if (!(usual > 0)) return 0;
-    double steps = 0;  // of the usual gap: a lacking frame makes two
-    for (const double gap : gaps) steps += std::round(gap / usual);
+    const double median = *middle;
+    if (!(median > 0)) return 0;
+    const auto is_usual = [&](double gap) { return std::abs(gap - median) <= tick_s + kRounding * median; };
+    double sum = 0, count = 0;
+    for (const double gap : gaps)
+        if (is_usual(gap)) sum += gap, ++count;
+    const double usual = sum / count;
+    double steps = 0;  // a lacking frame makes two
+    for (const double gap : gaps) steps += is_usual(gap) ? 1 : std::round(gap / usual);
     return steps / (times_s.back() - times_s.front());
 }
 
@@ -89,10 +121,7 @@ VideoTimes video_times(const std::filesystem::path& path) {
     // A transport stream is cut out of a clock that runs on, which says nothing about other files.
     if (input.context().iformat->flags & AVFMT_TS_DISCONT && !result.shown_s.empty())
         for (const double first = result.shown_s[0]; double& time : result.shown_s) time -= first;
-    result.fps = rate_of(result.shown_s);
-    for (const AVRational named : {input.stream().r_frame_rate, input.stream().avg_frame_rate})
-        if (named.num > 0 && named.den > 0 && (result.fps == 0 || std::abs(av_q2d(named) / result.fps - 1) < kSameRate))
-            result.fps = av_q2d(named);
+    result.fps = recorded_rate(input.stream(), result.shown_s);
     result.timecode_s = timecode_of(input, result.fps);
     return result;
 }

@@ -19,7 +19,7 @@ struct VideoTimes {
 // that an edit list cuts off are left out, as in VideoReader. Throws InputError.
 VideoTimes video_times(const std::filesystem::path& path);
 
-// The rate of frames at these ascending times; 0 for fewer than two.
-double rate_of(const std::vector<double>& times_s);
+// The rate of frames at these ascending times, which are rounded to ticks of this length; 0 for fewer than two.
+double rate_of(const std::vector<double>& times_s, double tick_s = 0);
 
 }  // namespace neuvv::media

@@ -282,6 +282,37 @@ TEST(VideoTimes, AreThoseOfTheFile) {
     EXPECT_NEAR(media::video_times(folder.path / "a.mov").timecode_s.value_or(0), 3602.2, 1e-6);
 }
 
+// Every frame of this rate but one, as `name`.
+void write_without(const std::filesystem::path& path, AVRational time_base, int frames, int lacking,
+                   VideoFile video = {}) {
+    for (int i = 0; i < frames; ++i)
+        if (i != lacking) video.times.push_back(i);
+    video.time_base = time_base;
+    video.rate = {time_base.den, time_base.num};
+    video.width = video.height = 16;
+    test::write_video_file(path, video);
+}
+
+// Of a video in which a frame lacks, libav's average rate is less.
+TEST(VideoTimes, OneLackingFrameDoesNotLowerTheRate) {
+    const TemporaryFolder folder;
+    for (const char* name : {"a.mp4", "a.mkv"}) {
+        write_without(folder.path / name, {1, 30}, 2500, 3);
+        EXPECT_NEAR(media::video_times(folder.path / name).fps, 30, 1e-9) << name;
+    }
+}
+
+TEST(VideoTimes, FastFramesMayBeRoundedToMilliseconds) {
+    const TemporaryFolder folder;
+    for (const int fps : {240, 480, 900}) {
+        write_without(folder.path / "a.mkv", {1, fps}, 500, 100);
+        EXPECT_NEAR(media::video_times(folder.path / "a.mkv").fps, fps, 1e-6);
+        std::vector<double> times;
+        for (int i = 0; i < 1000; ++i) times.push_back(std::round(1000.0 * i / fps) / 1000);
+        EXPECT_NEAR(media::rate_of(times, 1e-3), fps, fps * 1e-3);
+    }
+}
+
 TEST(VideoTimes, TheRateIsThatOfMostFrames) {
     EXPECT_EQ(media::rate_of({}), 0);
     EXPECT_EQ(media::rate_of({1}), 0);

@@ -18,10 +18,11 @@ extern "C" {
 namespace neuvv::test {
 
 struct VideoFile {
-    std::vector<int64_t> times_ms;     // of the frames, ascending
+    std::vector<int64_t> times;        // of the frames, ascending, by time_base
     std::vector<int32_t> matrix = {};  // nine numbers: how the video is to be shown
     std::string timecode = {};         // of the first frame
     AVRational rate = {25, 1};         // that the timecode counts
+    AVRational time_base = {1, 1000};  // seconds
     AVRational pixel_aspect = {1, 1};
     AVFieldOrder fields = AV_FIELD_PROGRESSIVE;
     const char* encoder = "mpeg4";
@@ -58,7 +59,7 @@ inline void write_video_file(const std::filesystem::path& path, const VideoFile&
     codec->width = video.width;
     codec->height = video.height;
     codec->pix_fmt = video.format;
-    codec->time_base = {1, 1000};
+    codec->time_base = video.time_base;
     codec->gop_size = 0;
     codec->global_quality = FF_QP2LAMBDA * 2;
     codec->flags |= AV_CODEC_FLAG_QSCALE;
@@ -82,16 +83,16 @@ inline void write_video_file(const std::filesystem::path& path, const VideoFile&
     ASSERT_GE(avio_open(&output->pb, path.c_str(), AVIO_FLAG_WRITE), 0);
     ASSERT_GE(avformat_write_header(output, nullptr), 0);
     AVPacket* packet = av_packet_alloc();
-    for (size_t i = 0; i <= video.times_ms.size(); ++i) {
+    for (size_t i = 0; i <= video.times.size(); ++i) {
         AVFrame* frame = nullptr;  // null ends the encoding
-        if (i < video.times_ms.size()) {
+        if (i < video.times.size()) {
             frame = av_frame_alloc();
             frame->width = video.width;
             frame->height = video.height;
             frame->format = video.format;
             ASSERT_GE(av_frame_get_buffer(frame, 0), 0);
             video.paint(*frame, static_cast<int>(i));
-            frame->pts = video.times_ms[i];
+            frame->pts = video.times[i];
         }
         ASSERT_GE(avcodec_send_frame(codec, frame), 0);
         av_frame_free(&frame);
