@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kSameRate = 5e-4;  // half of what tells 30 from 29.97 frames a second
 constexpr double kRounding = 1e-6;
+constexpr double kEven = 0.1;  // of a step, by which even times may be off
 constexpr uint32_t kTimecodeTag = MKTAG('t', 'm', 'c', 'd');
 
 bool is_rate(AVRational rate) {
@@ -22,35 +23,41 @@ bool is_rate(AVRational rate) {
 }
 
 // The times of frames whose decoding times, which the index has, are even and hence those of their display, too. Empty
-// where they are not, or where an edit list cuts.
+// where they are not, or where an edit list cuts. In ticks as long as a frame, a lacking frame is off by less than one.
 std::vector<double> times_by_index(const VideoInput& input) {
     const std::vector<const AVIndexEntry*> frames = input.frames();
     if (frames.size() < 2 || input.stream().start_time == AV_NOPTS_VALUE) return {};
     const int64_t first = frames.front()->timestamp;
     const double step = static_cast<double>(frames.back()->timestamp - first) / static_cast<double>(frames.size() - 1);
+    const double slack = std::min(1.0, kEven * step);
     std::vector<double> times;
     for (const AVIndexEntry* frame : frames) {
         const double after = step * static_cast<double>(times.size());
-        if (!is_shown(*frame) || std::abs(static_cast<double>(frame->timestamp - first) - after) > 1) return {};
+        if (!is_shown(*frame) || std::abs(static_cast<double>(frame->timestamp - first) - after) > slack) return {};
         times.push_back((static_cast<double>(input.stream().start_time) + after) * av_q2d(input.stream().time_base));
     }
     return step > 0 ? times : std::vector<double>();
 }
 
-// By the packets; of those of which one has no time, as in an .avi, at an even rate.
+// By the packets' times of display; where one has none, as of H.264 in an .avi, by those of decoding, which are the
+// same but for their order; where one has neither, at an even rate.
 std::vector<double> times_by_packets(VideoInput& input) {
-    std::vector<double> times;
-    bool timed = true;
+    std::vector<int64_t> shown, decoded;
     while (const AVPacket* packet = input.read()) {
         if (!is_shown(*packet)) continue;
-        timed &= packet->pts != AV_NOPTS_VALUE;
-        times.push_back(static_cast<double>(packet->pts) * av_q2d(input.stream().time_base));
+        shown.push_back(packet->pts);
+        decoded.push_back(packet->dts);
     }
+    const auto lacks_times = [](const std::vector<int64_t>& of) { return std::ranges::count(of, AV_NOPTS_VALUE) > 0; };
+    const std::vector<int64_t>& ticks = lacks_times(shown) ? decoded : shown;
     const AVRational rate = input.stream().avg_frame_rate;
-    if (!timed)
-        for (size_t i = 0; i < times.size(); ++i)
-            times[i] = is_rate(rate) ? static_cast<double>(i) / av_q2d(rate) : static_cast<double>(i);
-    std::sort(times.begin(), times.end());
+    const bool even = lacks_times(ticks);
+    std::vector<double> times;
+    for (const int64_t tick : ticks)
+        times.push_back(!even           ? static_cast<double>(tick) * av_q2d(input.stream().time_base)
+                        : is_rate(rate) ? static_cast<double>(times.size()) / av_q2d(rate)
+                                        : static_cast<double>(times.size()));
+    std::ranges::sort(times);
     return times;
 }
 

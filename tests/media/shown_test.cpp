@@ -293,12 +293,24 @@ void write_without(const std::filesystem::path& path, AVRational time_base, int 
     test::write_video_file(path, video);
 }
 
-// Of a video in which a frame lacks, libav's average rate is less.
-TEST(VideoTimes, OneLackingFrameDoesNotLowerTheRate) {
+// Of frames that lack, libav's average rate is less, and of an .avi, where a tick is a frame, it is all that shows
+// them.
+TEST(VideoTimes, OneLackingFrameIsAGap) {
     const TemporaryFolder folder;
-    for (const char* name : {"a.mp4", "a.mkv"}) {
-        write_without(folder.path / name, {1, 30}, 2500, 3);
-        EXPECT_NEAR(media::video_times(folder.path / name).fps, 30, 1e-9) << name;
+    VideoFile h264;
+    h264.encoder = "libx264";
+    for (const auto& [name, video] : {std::pair{"a.mp4", VideoFile()},
+                                      {"a.mkv", VideoFile()},
+                                      {"a.avi", VideoFile()},
+                                      {"b.avi", h264},
+                                      {"b.mp4", h264}}) {
+        write_without(folder.path / name, {1, 30}, 2500, 3, video);
+        const media::VideoTimes times = media::video_times(folder.path / name);
+        ASSERT_EQ(times.shown_s.size(), 2499u) << name;
+        EXPECT_NEAR(times.fps, 30, 1e-9) << name;
+        EXPECT_NEAR(times.shown_s[2] - times.shown_s[0], 2.0 / 30, 1.1e-3) << name;
+        EXPECT_NEAR(times.shown_s[3] - times.shown_s[0], 4.0 / 30, 1.1e-3) << name;
+        EXPECT_NEAR(times.shown_s[2498] - times.shown_s[0], 2499.0 / 30, 1.1e-3) << name;
     }
 }
 
