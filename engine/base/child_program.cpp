@@ -18,6 +18,7 @@ namespace neuvv {
 namespace {
 
 constexpr size_t kLongestLine = 1 << 16;
+constexpr int kAsk_ms = 50, kUnknownCode = 128;
 
 std::vector<char*> pointers(std::vector<std::string>& texts) {
     std::vector<char*> all;
@@ -39,11 +40,19 @@ std::vector<std::string> environment_with(const std::vector<std::string>& more) 
     return all;
 }
 
+// A process may have been started with SIGCHLD ignored. Then the system forgets how its children ended.
+void remember_children() {
+    struct sigaction now = {};
+    sigaction(SIGCHLD, nullptr, &now);
+    if (now.sa_handler == SIG_IGN) signal(SIGCHLD, SIG_DFL);
+}
+
 }  // namespace
 
 ChildProgram::ChildProgram(std::vector<std::string> arguments, const std::vector<std::string>& environment) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw RuntimeFailure(fmt::format("{}: {}", arguments[0], std::strerror(errno)));
+    remember_children();
     std::vector<std::string> variables = environment_with(environment);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
@@ -77,14 +86,16 @@ std::optional<std::string> ChildProgram::next_line(int wait_ms) {
     return line;
 }
 
-// Takes the exit code, where the program has ended or `flags` let it wait for that.
+// Takes the exit code, where the program has ended or `flags` let it wait for that. Where something else in this
+// process has taken it, it is not known.
 bool ChildProgram::reap(int flags) {
     if (code_) return true;
     int status = 0;
     pid_t ended = 0;
     while ((ended = waitpid(process_, &status, flags)) < 0 && errno == EINTR) {
     }
-    if (ended != process_) return false;
+    if (ended < 0) code_ = kUnknownCode;
+    if (ended != process_) return code_.has_value();
     code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     return true;
 }
@@ -93,9 +104,11 @@ bool ChildProgram::has_ended() {
     return closed_ && reap(WNOHANG);
 }
 
+// What it prints until then is read, as a program that writes into a full pipe never ends.
 int ChildProgram::wait() {
+    while (!closed_ && !reap(WNOHANG)) next_line(kAsk_ms);
     reap(0);
-    return code_.value_or(128);
+    return *code_;
 }
 
 void ChildProgram::stop() const {
@@ -106,7 +119,7 @@ ProgramOutput run_program(std::vector<std::string> arguments) {
     ChildProgram program(std::move(arguments));
     ProgramOutput output;
     while (!program.has_ended())
-        if (const std::optional<std::string> line = program.next_line(50)) output.text += *line + "\n";
+        if (const std::optional<std::string> line = program.next_line(kAsk_ms)) output.text += *line + "\n";
     output.code = program.wait();
     return output;
 }
