@@ -237,13 +237,14 @@ void check_values(const std::string& file, const Json& root) {
         if (!image.contains("uri") && !image.contains("bufferView"))
             throw InputError(file, place, "has neither uri nor bufferView");
     });
+    const Json none = Json::array();
+    const Json& accessors = root.contains("accessors") ? root["accessors"] : none;
     at("meshes/*/primitives/*", [&](const Json& primitive, const std::string& place) {
         for (const auto& [name, accessor] : primitive["attributes"].items())
             if (const std::string problem = type_problem(accessor, Member::kIndex); !problem.empty())
                 throw InputError(file, fmt::format("{}/attributes/{}", place, name), problem);
         if (!primitive.contains("indices")) return;
         const auto index = primitive["indices"].get<size_t>();
-        const Json& accessors = root.contains("accessors") ? root["accessors"] : Json::array();
         if (index >= accessors.size())
             throw InputError(file, place + "/indices", fmt::format("accessor {} does not exist", index));
         const Json extensions = primitive.value("extensions", Json::object());
