@@ -61,6 +61,13 @@ TEST_F(InteractionTest, UndoWhileItIsHeldTakesTheMoveBack) {
     EXPECT_FALSE(state.editor.modified());
 }
 
+TEST_F(InteractionTest, UndoOfNothingIsRefused) {
+    inputs[xr::kLeft].undo = true;
+    frame();
+    EXPECT_TRUE(was_notified("nothing to undo"));
+    EXPECT_EQ(interaction.hands[xr::kLeft].vibration, 0) << "which would say that it was done";
+}
+
 TEST_F(InteractionTest, ACopyOfWhatIsHeldStandsWhereItWasPut) {
     const glm::dvec3 before = position("ben");
     grab_and_move(kBen);

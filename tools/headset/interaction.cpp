@@ -173,6 +173,10 @@ void Interaction::handle_buttons(HeadsetState& state) {
             state.editor.notify("the stroke is still being laid", true);
             continue;
         }
+        if (hand.input.undo && !state.editor.history().next_undo()) {
+            state.editor.notify("nothing to undo", true);
+            continue;
+        }
         hand.vibrate(0.4);
         if (hand.input.undo) state.editor.undo();
         if (hand.input.duplicate) duplicate_selected(state);
