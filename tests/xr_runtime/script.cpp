@@ -84,10 +84,10 @@ constexpr Named<XrReferenceSpaceType> kSpaces[] = {{"view", XR_REFERENCE_SPACE_T
 #define NEUVV_XR_RESULT(name, value) {#name, name},
 constexpr Named<XrResult> kResults[] = {XR_LIST_ENUM_XrResult(NEUVV_XR_RESULT)};
 #undef NEUVV_XR_RESULT
-constexpr const char* kEvents[] = {"visible",      "synchronized",  "focus",       "stop",     "exit",
-                                   "lose_session", "lose_instance", "recentre",    "slow",     "profile",
-                                   "mask_changed", "refresh",       "no_tracking", "presence", "passthrough_lost",
-                                   "lose_device"};
+constexpr const char* kEvents[] = {"visible",      "synchronized",      "focus",       "stop",     "exit",
+                                   "lose_session", "lose_instance",     "recentre",    "slow",     "profile",
+                                   "mask_changed", "refresh",           "no_tracking", "presence", "passthrough_lost",
+                                   "lose_device",  "validation_message"};
 
 template <typename T, size_t kCount>
 void read_names(Fields& fields, const std::string& key, const Named<T> (&table)[kCount], std::vector<T>& values) {

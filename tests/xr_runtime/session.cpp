@@ -145,6 +145,15 @@ void lose_device(const ScriptEvent& event) {
     if (const char* file = std::getenv("NEUVV_LOSE_DEVICE")) std::ofstream(file) << event.times;
 }
 
+// As the validation layers do, where the application asked for their messages.
+void send_validation_message(const VulkanDevice& vulkan) {
+    if (!vulkan.vkSubmitDebugUtilsMessageEXT) return;
+    VkDebugUtilsMessengerCallbackDataEXT data = {VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CALLBACK_DATA_EXT};
+    data.pMessage = "a message of the script";
+    vulkan.vkSubmitDebugUtilsMessageEXT(vulkan.instance, VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+                                        VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT, &data);
+}
+
 // The new origin applies from a time at which the application has had the event.
 void recentre(Session& session, const ScriptEvent& event) {
     Progress& progress = runtime().progress;
@@ -190,6 +199,7 @@ void play(Session& session, const ScriptEvent& event) {
     if (event.what == "lose_session") lose_session(session);
     if (event.what == "lose_instance") lose_instance(*session.instance, event);
     if (event.what == "lose_device") lose_device(event);
+    if (event.what == "validation_message") send_validation_message(session.vulkan);
     if (event.what == "recentre") recentre(session, event);
     if (event.what == "slow") {
         progress.slow_until = frame + event.frames;

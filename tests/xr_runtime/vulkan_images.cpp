@@ -107,6 +107,9 @@ VulkanDevice open_device(PFN_vkGetInstanceProcAddr load, const XrGraphicsBinding
 #define NEUVV_XR_LOAD(name) vulkan.name = reinterpret_cast<PFN_##name>(load_device(binding.device, #name));
     NEUVV_XR_VULKAN_FUNCTIONS(NEUVV_XR_LOAD)
 #undef NEUVV_XR_LOAD
+    vulkan.instance = binding.instance;
+    vulkan.vkSubmitDebugUtilsMessageEXT =
+        reinterpret_cast<PFN_vkSubmitDebugUtilsMessageEXT>(of_instance("vkSubmitDebugUtilsMessageEXT"));
     vulkan.vkGetPhysicalDeviceImageFormatProperties = reinterpret_cast<PFN_vkGetPhysicalDeviceImageFormatProperties>(
         of_instance("vkGetPhysicalDeviceImageFormatProperties"));
     reinterpret_cast<PFN_vkGetPhysicalDeviceMemoryProperties>(of_instance("vkGetPhysicalDeviceMemoryProperties"))(

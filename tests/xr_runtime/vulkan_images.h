@@ -28,6 +28,8 @@ struct VulkanDevice {
     VkCommandBuffer commands = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
     VkPhysicalDeviceMemoryProperties memory = {};
+    VkInstance instance = VK_NULL_HANDLE;
+    PFN_vkSubmitDebugUtilsMessageEXT vkSubmitDebugUtilsMessageEXT = nullptr;  // null without VK_EXT_debug_utils
     PFN_vkGetPhysicalDeviceImageFormatProperties vkGetPhysicalDeviceImageFormatProperties = nullptr;
 #define NEUVV_XR_MEMBER(name) PFN_##name name = nullptr;
     NEUVV_XR_VULKAN_FUNCTIONS(NEUVV_XR_MEMBER)

@@ -77,6 +77,16 @@ TEST_F(Faults, ALostRuntimeIsWaitedFor) {
     expect_copy_is_kept(2);
 }
 
+TEST_F(Faults, WhatValidationSaysOfALostRuntimeIsPrinted) {
+    XrScript script = editing();
+    script.event(12, "validation_message");
+    script.event(14, "lose_instance");
+    script.end(20);
+    const XrRun run = this->run(script);
+    EXPECT_EQ(run.code, 0) << run.log;
+    EXPECT_EQ(count(run.log, "validation: "), 1u) << run.log;
+}
+
 // A runtime that is started again does not take sessions at once, and its headset is not there yet.
 TEST_F(Faults, ARuntimeThatComesBackSlowlyIsWaitedFor) {
     XrScript script = editing();

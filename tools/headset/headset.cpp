@@ -104,14 +104,14 @@ void run_sessions(Program& program, RuntimeContext& context) {
     for (RetryLimit retries(program);;) {
         std::string why = "every session ends";
         try {
-            if (run_session(program, context) == xr::SessionStatus::kEnded) return context.print_validation_messages();
+            if (run_session(program, context) == xr::SessionStatus::kEnded) return;
         } catch (const xr::XrFailure& failure) {
             program.interaction.release_all(program.state);
             const bool may_come = failure.session_lost() || (retries.is_waiting() && !failure.instance_lost());
             if (!may_come || !retries.has_run()) throw;
             why = failure.what();
         }
-        context.print_validation_messages();
+        context.validation.print();
         if (stop_requested() || program.leaving) return;
         program.state.editor.notify("the headset's session was lost; another one begins");
         program.notify();

@@ -177,7 +177,7 @@ std::vector<std::optional<SurfaceHit>> RuntimeContext::find_surfaces(const stage
     return hits;
 }
 
-void RuntimeContext::print_validation_messages() const {
+void ValidationPrinter::print() const {
     for (const std::string& message : device.drain_validation_messages()) print_line("validation: " + message);
 }
 

@@ -14,6 +14,13 @@
 
 namespace neuvv::headset {
 
+// Prints what the validation layers report of a device, at the latest before the device is destroyed.
+struct ValidationPrinter {
+    const gpu::Device& device;
+    ~ValidationPrinter() { print(); }
+    void print() const;  // the messages since the last call
+};
+
 struct RuntimeContext {
     explicit RuntimeContext(Program& program);
     ~RuntimeContext() { painter.project_picture = {}; }
@@ -34,11 +41,10 @@ struct RuntimeContext {
     // since, or rays are not near those, it waits for the results of the new rays.
     std::vector<std::optional<SurfaceHit>> find_surfaces(const stage::EvaluatedStage& evaluated,
                                                          std::span<const Ray> rays);
-    // Prints what the validation layers reported since the last call.
-    void print_validation_messages() const;
 
     xr::Runtime runtime;
     gpu::Device device;
+    ValidationPrinter validation{device};
     // All clips that were ever on the stage, so that undoing a deletion reads no file between two frames. Of segmented
     // clips, it is the first segment.
     std::map<std::filesystem::path, std::shared_ptr<const render::Field>> clips;
