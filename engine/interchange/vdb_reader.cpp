@@ -200,10 +200,12 @@ void GridReader::keep(const float* value) {
     grid_.values.insert(grid_.values.end(), value, value + grid_.channels);
 }
 
+// What is active of a mask is all that it says; the library stores any value with it.
 void GridReader::add_tile(const glm::ivec3& min, uint32_t log2, const float* value) {
+    constexpr float kActive = 1;
     use_memory(2 * (sizeof(VdbTile) + sizeof(float) * grid_.channels));  // twice: vectors grow so
     grid_.tiles.push_back({min, 1 << log2, grid_.values.size() / grid_.channels});
-    keep(value);
+    keep(type_->number == VdbNumber::kMask ? &kActive : value);
 }
 
 glm::ivec3 GridReader::read_origin(uint32_t log2) {

@@ -215,6 +215,21 @@ TEST(VdbReader, ReadsBoolsAndMasks) {
     }
 }
 
+// The library stores the tiles of a mask that has another grid's topology as active and false.
+TEST(VdbReader, TilesOfAMaskAreSetWhereTheyAreActive) {
+    using namespace openvdb;
+    const TemporaryFolder folder;
+    const FloatGrid::Ptr floats = random_floats("density", 1);
+    const MaskGrid::Ptr mask =
+        MaskGrid::create(std::make_shared<MaskGrid::TreeType>(floats->tree(), /*background=*/false, TopologyCopy()));
+    mask->setName("matte");
+    write_grids(folder.path / "x.vdb", {mask}, 0);
+    const std::vector<VdbGrid> grids = interchange::read_vdb(folder.path / "x.vdb").grids;
+    ASSERT_EQ(grids.size(), 1u);
+    ASSERT_EQ(grids[0].tiles.size(), 3u);
+    EXPECT_EQ(std::ranges::count(grids[0].values, 1.0f), static_cast<ptrdiff_t>(grids[0].values.size()));
+}
+
 TEST(VdbReader, CutsWhatIsInfinite) {
     openvdb::initialize();
     const TemporaryFolder folder;
