@@ -20,6 +20,12 @@ namespace {
 
 using Json = nlohmann::json;
 
+// The root's lists, of strings where they name extensions and else of objects. `extras` may be anything.
+constexpr const char* kLists[] = {
+    "accessors",      "animations", "buffers",   "bufferViews", "cameras", "extensionsRequired",
+    "extensionsUsed", "images",     "materials", "meshes",      "nodes",   "samplers",
+    "scenes",         "skins",      "textures"};
+
 // tinygltf silently uses a default where a member has the wrong type, and says little of one that is missing.
 enum class Member { kIndex, kIndices, kSize, kNumber, kNumbers, kText, kObject, kList };
 constexpr bool kNeeded = true;
@@ -186,11 +192,12 @@ void check_rule(const std::string& file, const Json& root, const std::string& pa
 }
 
 void check_types(const std::string& file, const Json& root) {
-    for (const auto& [name, array] : root.items()) {
-        if (!array.is_array()) continue;
-        const bool names = name == "extensionsUsed" || name == "extensionsRequired";
-        for (size_t i = 0; i < array.size(); ++i)
-            if (!(names ? array[i].is_string() : array[i].is_object()))
+    for (const char* name : kLists) {
+        const auto list = root.find(name);
+        if (list == root.end() || !list->is_array()) continue;
+        const bool names = std::string_view(name).starts_with("extensions");
+        for (size_t i = 0; i < list->size(); ++i)
+            if (const Json& element = (*list)[i]; !(names ? element.is_string() : element.is_object()))
                 throw InputError(file, fmt::format("/{}/{}", name, i), names ? "is not a string" : "is not an object");
     }
     for (const MemberRule& rule : kRules) check_rule(file, root, rule.path, rule);

@@ -357,6 +357,16 @@ TEST(GltfScene, ReadsWhatTinygltfRefuses) {
     EXPECT_NEAR(scene_of(glb).lights.at(0).outer_cone_rad, glm::radians(45.0), 1e-3);
 }
 
+TEST(GltfScene, ExtrasMayBeAnything) {
+    GlbBuilder glb = triangle();
+    for (const json& extras : {json({1, 2}), json({"a", {{"b", 1}}}), json("text"), json(3)}) {
+        glb.root["extras"] = extras;
+        EXPECT_EQ(error_of(glb), "") << extras;
+    }
+    glb.root["extensionsUsed"] = {1};
+    expect_error(glb, "/extensionsUsed/0", "is not a string");
+}
+
 // JSON does not tell 24 and 24.0 apart, and some exporters write all numbers so.
 TEST(GltfScene, WholeNumbersMayHaveAPoint) {
     const stage::GltfScene truth = scene_of(arm());
