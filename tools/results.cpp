@@ -75,10 +75,11 @@ std::vector<std::filesystem::path> paths_of(const std::filesystem::path& value) 
     return paths;
 }
 
-// Whether the verb reads this file because an option names this path: as one of a folder or as one of a stage.
+// Whether the verb reads this file because an option names this path, or would once it is there: as one of a folder or
+// as one of a stage.
 bool belongs_to(const std::filesystem::path& file, const std::filesystem::path& path) {
     std::error_code error;
-    if (path.empty() || !std::filesystem::exists(file, error)) return false;
+    if (path.empty()) return false;
     if (std::filesystem::is_directory(path, error))
         return lies_in(file, path) &&
                (voctree::is_segmented(path) || kDataEndings.contains(lower_case(file.extension().string())));
@@ -109,6 +110,15 @@ void expect_replaceable(const std::string& option, const std::filesystem::path& 
                          "choose another name; --overwrite replaces it once the new one is whole");
 }
 
+void expect_no_input(const std::string& option, const std::filesystem::path& file) {
+    for_each_other(option, [&](const std::string&, const std::filesystem::path& path) {
+        if (belongs_to(file, path))
+            throw InputError(option, file.string(),
+                             fmt::format("belongs to {}, which this command reads", path.string()),
+                             "choose another name");
+    });
+}
+
 void prepare_live_file(const std::string& option, const std::filesystem::path& file,
                        const std::vector<std::string_view>& endings) {
     if (!endings.empty() && std::ranges::find(endings, lower_case(file.extension().string())) == endings.end())
@@ -126,12 +136,7 @@ void prepare_result(const std::string& option, const std::filesystem::path& file
     std::error_code error;
     const bool is_there = std::filesystem::is_regular_file(file, error);
     prepare_live_file(option, file, endings);
-    for_each_other(option, [&](const std::string&, const std::filesystem::path& path) {
-        if (belongs_to(file, path))
-            throw InputError(option, file.string(),
-                             fmt::format("belongs to {}, which this command reads", path.string()),
-                             "choose another name");
-    });
+    if (std::filesystem::exists(file, error)) expect_no_input(option, file);
     if (is_there) expect_replaceable(option, file);
 }
 

@@ -35,6 +35,9 @@ void prepare_result(const std::string& option, const std::filesystem::path& file
 // The same without looking whether it is there: of a file that the program keeps up to date, or that it goes on with.
 void prepare_live_file(const std::string& option, const std::filesystem::path& file,
                        const std::vector<std::string_view>& endings);
+// Throws InputError where the file is one of those that the verb reads, or would be once it is there: of a file that is
+// gone on with later, when nobody can tell whose it is.
+void expect_no_input(const std::string& option, const std::filesystem::path& file);
 // As prepare_result, of files that are written into a folder. Makes it.
 void prepare_results(const std::string& option, const std::filesystem::path& folder,
                      const std::vector<std::string>& names);

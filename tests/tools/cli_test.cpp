@@ -265,6 +265,15 @@ TEST_F(Cli, OnlyPartsOfTheTrainingCanBeLeftOut) {
                        {"--leave-out", names, "divide, merge, revive, bound, rays"});
 }
 
+TEST_F(Cli, TrainShowsItselfInNoImageOfItsData) {
+    std::filesystem::create_directories(file("data/images"));
+    const std::string image = file("data/images/c00.png");
+    write_text(image, "image");
+    expect_refused({"train", file("data"), "-o", file("x.nvv"), "--resume", "--preview", image}, 2,
+                   {"--preview", "belongs to"});
+    EXPECT_EQ(read_text(image), "image");
+}
+
 TEST_F(Cli, NaNIsNoNumberOfAnything) {
     for (const char* option : {"--minutes", "--max-memory", "--image-memory", "--psi-minutes", "--lambda-grad",
                                "--lambda-point", "--lambda-smooth", "--seed"})

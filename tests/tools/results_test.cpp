@@ -58,6 +58,9 @@ TEST_F(Results, AreNoPartOfWhatTheCommandReads) {
     refuse(file("data/images/a.png"), "belongs to");
     prepare_result("--result", file("data/images/b.png"));  // it is not there
     prepare_result("--result", file("data/old.nvv"));       // a result of an earlier command
+    for (const char* name : {"data/images/a.png", "data/images/b.png"})
+        expect_input_error([&] { expect_no_input("--preview", file(name)); }, {"--preview", name, "belongs to"});
+    for (const char* name : {"data/log.jsonl", "b.png"}) expect_no_input("--preview", file(name));
     give(file("long.nvv"));
     refuse(file("long.nvv/000000.nvv"), "belongs to");
     give(file("long.nvv/"));

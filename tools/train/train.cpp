@@ -35,7 +35,9 @@ namespace {
 // goes on with them.
 void prepare_live_outputs(const LiveOptions& live, bool resume) {
     const auto prepare = [&](const char* option, const std::filesystem::path& file, std::string_view ending) {
-        if (!file.empty()) resume ? prepare_live_file(option, file, {ending}) : prepare_result(option, file, {ending});
+        if (file.empty()) return;
+        expect_no_input(option, file);
+        resume ? prepare_live_file(option, file, {ending}) : prepare_result(option, file, {ending});
     };
     prepare("--preview", live.preview, ".png");
     prepare("--metrics", live.metrics, ".jsonl");
