@@ -88,6 +88,12 @@ bool tells_a_part(const std::string& word) {
     return side_of(word) == Side::kNone && !is_noise(word);
 }
 
+// Whether the first word may be one that names share: a part is named behind it, as in "Bip L UpperArm".
+bool has_part_behind(const std::vector<std::string>& words) {
+    return words.size() > 1 && side_of(words[0]) == Side::kNone &&
+           std::any_of(words.begin() + 1, words.end(), tells_a_part);
+}
+
 // Takes the words off with which most names begin: "Bip L UpperArm", "CC Base L UpperArm", "m avg L Elbow".
 void drop_shared_words(std::vector<std::vector<std::string>>& all) {
     while (true) {
@@ -95,14 +101,12 @@ void drop_shared_words(std::vector<std::vector<std::string>>& all) {
         size_t named = 0;
         for (const std::vector<std::string>& words : all) {
             named += !words.empty();
-            if (words.size() > 1 && side_of(words[0]) == Side::kNone &&
-                std::any_of(words.begin() + 1, words.end(), tells_a_part))
-                ++firsts[words[0]];
+            if (has_part_behind(words)) ++firsts[words[0]];
         }
         const auto most = std::ranges::max_element(firsts, {}, [](const auto& first) { return first.second; });
         if (most == firsts.end() || 2 * most->second <= named) return;
         for (std::vector<std::string>& words : all)
-            if (!words.empty() && words[0] == most->first) words.erase(words.begin());
+            if (has_part_behind(words) && words[0] == most->first) words.erase(words.begin());
     }
 }
 

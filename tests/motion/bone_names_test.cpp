@@ -1,6 +1,7 @@
 // The names that programs give to the bones of a body.
 #include "motion/bone_names.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -350,6 +351,18 @@ TEST(BoneNames, OfManyProgramsAreKnown) {
             }
         }
     }
+}
+
+// Most bones are fingers, whose names begin as that of the hand.
+TEST(BoneNames, AWordThatMostShareMayBeABone) {
+    std::vector<std::string> names = {"Hand_L", "Hand_R"};
+    for (const char* finger : {"Thumb", "Index", "Middle", "Ring", "Pinky"})
+        for (const char* side : {"L", "R"}) names.push_back(fmt::format("Hand_{}_1_{}", finger, side));
+    const motion::FoundBones found = motion::find_bones(names);
+    ASSERT_TRUE(found.has(motion::kHand, Side::kLeft));
+    EXPECT_EQ(names[found.of(motion::kHand, Side::kLeft)], "Hand_L");
+    ASSERT_TRUE(found.has(motion::kHand, Side::kRight));
+    EXPECT_EQ(names[found.of(motion::kHand, Side::kRight)], "Hand_R");
 }
 
 TEST(BoneNames, SayWhatIsMissing) {
