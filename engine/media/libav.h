@@ -74,7 +74,7 @@ inline int open_video_file(const std::filesystem::path& path, AVFormatContext** 
     if (std::filesystem::exists(path, missing)) expect_regular_file(path);
     AVDictionary* options = nullptr;
     av_dict_set(&options, "protocol_whitelist", "file", 0);
-    av_dict_set(&options, "format_whitelist", "mp4,matroska,avi", 0);
+    av_dict_set(&options, "format_whitelist", "mp4,matroska,avi,mpegts,mpeg,mxf,asf,ogg,flv", 0);
     const int code = avformat_open_input(opened, file_url(path).c_str(), nullptr, &options);
     av_dict_free(&options);
     return code;

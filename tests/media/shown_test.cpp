@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <random>
 
 #include "media/orientation.h"
 #include "media/video.h"
@@ -311,6 +312,59 @@ TEST(VideoTimes, OneLackingFrameIsAGap) {
         EXPECT_NEAR(times.shown_s[2] - times.shown_s[0], 2.0 / 30, 1.1e-3) << name;
         EXPECT_NEAR(times.shown_s[3] - times.shown_s[0], 4.0 / 30, 1.1e-3) << name;
         EXPECT_NEAR(times.shown_s[2498] - times.shown_s[0], 2499.0 / 30, 1.1e-3) << name;
+    }
+}
+
+// Files of other containers than MP4, and what encodes their videos.
+const std::pair<const char*, const char*> kContainers[] = {
+    {"a.ts", "mpeg2video"}, {"a.m2ts", "libx264"},  {"a.mpg", "mpeg2video"}, {"a.mxf", "mpeg2video"},
+    {"a.wmv", "wmv2"},      {"a.ogv", "libtheora"}, {"a.flv", "flv"}};
+
+void write_container(const std::filesystem::path& path, const char* encoder) {
+    VideoFile video{{0, 1, 2, 3, 4, 5, 6, 7}};
+    video.time_base = {1, 25};
+    video.encoder = encoder;
+    test::write_video_file(path, video);
+}
+
+// Cameras write .mts, and studios .mxf. Where a clock runs on from file to file, times begin anew.
+TEST(VideoTimes, OtherContainersAreRead) {
+    const TemporaryFolder folder;
+    for (const auto& [name, encoder] : kContainers) {
+        write_container(folder.path / name, encoder);
+        media::VideoReader reader(folder.path / name);
+        EXPECT_EQ(reader.frames(), 8u) << name;
+        media::Image frame;
+        int count = 0;
+        while (reader.next(frame)) ++count;
+        EXPECT_EQ(count, 8) << name;
+        const media::VideoTimes times = media::video_times(folder.path / name);
+        ASSERT_EQ(times.shown_s.size(), 8u) << name;
+        EXPECT_NEAR(times.shown_s[0], 0, 1e-6) << name;
+        EXPECT_NEAR(times.shown_s[7], 7.0 / 25, 1.1e-3) << name;
+        EXPECT_NEAR(times.fps, 25, 1e-6) << name;
+    }
+}
+
+TEST(VideoTimes, DamagedContainersDoNoHarm) {
+    const TemporaryFolder folder;
+    std::mt19937 random(5);
+    for (const auto& [name, encoder] : kContainers) {
+        write_container(folder.path / name, encoder);
+        const std::string whole = read_text(folder.path / name);
+        for (int round = 0; round < 20; ++round) {
+            std::string bytes = whole;
+            for (int i = 0; i < 8; ++i) bytes[random() % bytes.size()] = static_cast<char>(random());
+            write_text(folder.path / name, bytes);
+            try {
+                media::video_times(folder.path / name);
+                media::VideoReader reader(folder.path / name);
+                media::Image frame;
+                while (reader.next(frame)) ASSERT_EQ(frame.rgba.size(), size_t{4} * frame.width * frame.height);
+            } catch (const InputError& error) {
+                EXPECT_NE(std::string(error.what()).find(name), std::string::npos);
+            }
+        }
     }
 }
 
