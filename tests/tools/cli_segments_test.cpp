@@ -461,6 +461,16 @@ TEST_F(CliSharedTraining, ASecondProcessHelps) {
     expect_finished();
 }
 
+TEST_F(CliSharedTraining, AReplacementThatIsBeingTrainedStays) {
+    ASSERT_EQ(run_neuvv(command("3", {})).code, 0);
+    ASSERT_EQ(run_neuvv(command("3", {"--overwrite", "--plan"})).code, 0);
+    const std::string place = show + "/new.nvv";
+    const auto claim = training::RunClaim::take(place + "/" + voctree::segment_file_name(1));
+    ASSERT_TRUE(claim);
+    expect_refused(command("3", {"--overwrite"}), 2, {"new.nvv/000001.nvv", "is being trained by process"});
+    EXPECT_EQ(voctree::read_clip_index(place).segments.size(), 3u);
+}
+
 TEST_F(CliSharedTraining, OneFileIsTrainedByOneProcess) {
     std::vector<std::string> words = {"train", file("data"), "-o", file("one.nvv"), "--steps", "100000000"};
     const test::ChildProcess first(with_program(words), folder.path / "first");

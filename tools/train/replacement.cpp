@@ -116,14 +116,15 @@ std::filesystem::path training_place(const TrainOptions& options, bool in_segmen
 void begin_replacement(const TrainOptions& options) {
     const std::filesystem::path& place = options.output;
     try {
-        if (!voctree::is_segmented(options.replaces)) {
+        if (voctree::is_segmented(options.replaces)) {
+            if (voctree::is_segmented(place)) expect_unclaimed(voctree::read_clip_index(place).segments);
+            std::filesystem::remove_all(place);
+            std::filesystem::create_directory(place);
+            if (options.is_part()) copy_other_segments(options);
+        } else {
             for (const std::filesystem::path& file : {place, training::state_path(place), voctree::sound_file(place)})
                 std::filesystem::remove(file);
-            return;
         }
-        std::filesystem::remove_all(place);
-        std::filesystem::create_directory(place);
-        if (options.is_part()) copy_other_segments(options);
     } catch (const std::filesystem::filesystem_error& error) {
         throw RuntimeFailure(fmt::format("{}: cannot be begun: {}", place.string(), error.code().message()));
     }

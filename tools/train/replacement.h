@@ -18,7 +18,8 @@ bool has_replacement(const std::filesystem::path& clip);
 std::filesystem::path training_place(const TrainOptions& options, bool in_segments, bool overwrite);
 
 // Begins the replacement: removes one that was not finished. Where a part of a clip is trained again, it gets the other
-// segments and what else belongs to the clip. Throws RuntimeFailure.
+// segments and what else belongs to the clip. Throws InputError where other processes train the one that is there, and
+// RuntimeFailure.
 void begin_replacement(const TrainOptions& options);
 
 // Whether another process has finished the replacement meanwhile.

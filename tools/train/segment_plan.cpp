@@ -145,16 +145,20 @@ TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& se
     return options;
 }
 
+void expect_unclaimed(const std::vector<voctree::ClipSegment>& segments) {
+    for (const voctree::ClipSegment& segment : segments)
+        if (const auto claim = training::claim_of(segment.file))
+            throw InputError(segment.file.string(), "", fmt::format("is being trained by {}", claim->owner),
+                             "stop that first, or help it: the same command with --resume");
+}
+
 void expect_nobody_trains(const TrainOptions& options, const SegmentPlan& plan) {
     std::vector<voctree::ClipSegment> segments = plan.segments;
     if (voctree::is_segmented(options.clip())) {  // it may have been cut elsewhere
         const voctree::ClipIndex before = voctree::read_clip_index(options.clip());
         segments.insert(segments.end(), before.segments.begin(), before.segments.end());
     }
-    for (const voctree::ClipSegment& segment : segments)
-        if (const auto claim = training::claim_of(segment.file))
-            throw InputError(segment.file.string(), "", fmt::format("is being trained by {}", claim->owner),
-                             "stop that first, or help it: the same command with --resume");
+    expect_unclaimed(segments);
     for (const voctree::ClipSegment& segment : plan.segments)
         if (std::filesystem::exists(segment.file))
             throw InputError(segment.file.string(), "", "is there, but in no clip", "remove it");

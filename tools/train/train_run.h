@@ -103,6 +103,8 @@ inline std::filesystem::path job_file(const std::filesystem::path& clip) {
 // Throws RuntimeFailure where it does not begin.
 std::filesystem::path place_of_first_rank(const std::filesystem::path& clip, const Ranks& ranks);
 
+// Throws InputError where a process trains one of the segments.
+void expect_unclaimed(const std::vector<voctree::ClipSegment>& segments);
 // Throws InputError where a process trains a segment of the clip, or one of the plan's segments is there already.
 void expect_nobody_trains(const TrainOptions& options, const SegmentPlan& plan);
 
