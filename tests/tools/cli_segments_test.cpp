@@ -471,6 +471,16 @@ TEST_F(CliSharedTraining, AReplacementThatIsBeingTrainedStays) {
     EXPECT_EQ(voctree::read_clip_index(place).segments.size(), 3u);
 }
 
+// The folder in the lock's place stands for a file system without locks.
+TEST_F(CliSharedTraining, AFileIsReplacedWithoutALock) {
+    std::filesystem::create_directory(file(".scene.new.nvv.replace"));
+    const std::string before = read_text(scene);
+    const ProgramResult result =
+        run_neuvv({"train", file("data"), "-o", scene, "--resolution", "32", "--steps", "2", "--overwrite"});
+    EXPECT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(read_text(scene), before);
+}
+
 TEST_F(CliSharedTraining, OneFileIsTrainedByOneProcess) {
     std::vector<std::string> words = {"train", file("data"), "-o", file("one.nvv"), "--steps", "100000000"};
     const test::ChildProcess first(with_program(words), folder.path / "first");

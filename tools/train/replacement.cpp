@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "base/error.h"
@@ -85,6 +86,16 @@ void move_segments(const std::filesystem::path& from, const std::filesystem::pat
     }
 }
 
+// Several processes may find a clip in segments whole at the same time; they cannot train without locks. One tree can
+// be trained where the file system has none.
+std::optional<FileLock> lock_if_possible(const std::filesystem::path& file) {
+    try {
+        return FileLock(file);
+    } catch (const RuntimeFailure&) {
+        return std::nullopt;
+    }
+}
+
 }  // namespace
 
 std::filesystem::path replacement_of(const std::filesystem::path& clip) {
@@ -138,7 +149,7 @@ void finish_replacement(const TrainOptions& options) {
     const std::filesystem::path &place = options.output, &clip = options.replaces;
     const std::filesystem::path lock = place.string() + ".replace";
     try {
-        const FileLock only(lock);  // several processes may find it whole at the same time
+        const std::optional<FileLock> only = lock_if_possible(lock);
         const bool in_segments = voctree::is_segmented(place);
         if (in_segments) move_segments(place, clip);
         if (!in_segments && is_there(place)) {
@@ -147,7 +158,7 @@ void finish_replacement(const TrainOptions& options) {
         }
         move_over(voctree::sound_file(place), voctree::sound_file(clip));
         if (in_segments) std::filesystem::remove_all(place);
-        std::filesystem::remove(lock);
+        if (only) std::filesystem::remove(lock);
     } catch (const std::filesystem::filesystem_error& error) {
         throw RuntimeFailure(fmt::format("{}: cannot be replaced: {}", clip.string(), error.code().message()));
     }
