@@ -288,5 +288,23 @@ TEST_F(CliDevice, TrainingGoesOnOnADeviceThatIsMadeAnew) {
     }
 }
 
+// The loss comes after the first checkpoint of the part's second segment.
+TEST_F(CliDevice, APartGoesOnOnADeviceThatIsMadeAnew) {
+    write_own_data();
+    std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
+    const auto train = [&](std::vector<std::string> more, const std::string& environment) {
+        std::vector<std::string> words = {"train",   file("data"), "-o",           file("lost.nvv"),
+                                          "--steps", "12",         "--resolution", "32"};
+        words.insert(words.end(), more.begin(), more.end());
+        return run_neuvv(words, environment);
+    };
+    ASSERT_EQ(train({"--segment", "1"}, "").code, 0);
+    const test::LosableDevice losable(folder.path);
+    losable.lose();
+    const ProgramResult part = train({"--from", "1", "--overwrite"}, "NEUVV_LOSE_DEVICE_AFTER=40");
+    EXPECT_EQ(part.code, 0) << part.err;
+    EXPECT_NE(part.err.find("device lost; the device is made anew"), std::string::npos) << part.err;
+}
+
 }  // namespace
 }  // namespace neuvv

@@ -112,16 +112,15 @@ std::optional<training::RunClaim> claim_file(const std::filesystem::path& output
     return claim;
 }
 
-// When the file was written with which a run begins; the least time where there is none.
-std::filesystem::file_time_type begun_at(const TrainOptions& options) {
+// When the state of a tree was written; the least time where there is none, and of a clip in segments.
+std::filesystem::file_time_type state_written_at(const TrainOptions& options) {
     std::error_code ignored;
-    return std::filesystem::last_write_time(
-        is_in_segments(options) ? voctree::index_file(options.output) : training::state_path(options.output), ignored);
+    return std::filesystem::last_write_time(training::state_path(options.output), ignored);
 }
 
 // Trains on a device, which is made anew once where it is lost; `train` then goes on from the files that are there.
 void train_on(const std::string& name, TrainOptions& options, const std::function<void(const gpu::Device&)>& train) {
-    const std::filesystem::file_time_type before = begun_at(options);
+    const std::filesystem::file_time_type before = state_written_at(options);
     for (bool is_new = false;; is_new = true) {
         try {
             return train(gpu::Device(name));
@@ -136,7 +135,7 @@ void train_on(const std::string& name, TrainOptions& options, const std::functio
             say("\n{}: {}; the device is made anew\n", output, error.what());
         }
         // What a run has written is whole: it goes on, and one that had written nothing begins anew.
-        options.settings.resume = options.settings.resume || begun_at(options) != before;
+        options.settings.resume = options.settings.resume || state_written_at(options) != before;
     }
 }
 

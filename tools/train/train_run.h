@@ -126,13 +126,13 @@ TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& se
 bool correct_clip(const gpu::Device& device, TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan);
 
 // Trains the segments of a clip, which become a folder (voctree/clip_index.h); the budget is shared by frames. Without
-// TrainSettings::resume, the first rank begins with correct_clip and begin_segments; with it, segments that are
-// finished stay, and those that are not go on. Any number of processes may do this at once, ranks of one job or not:
-// each segment is trained by the one that has its claim (training/run/claim.h), and that of a process that died is
-// taken by another. Ranks wait until all segments are finished; a process that was started alone leaves to others what
-// they train. A segment that cannot be trained is named, and the others are trained nevertheless; then throws
+// TrainSettings::resume, the first rank begins with correct_clip and begin_segments, and sets it; with it, segments
+// that are finished stay, and those that are not go on. Any number of processes may do this at once, ranks of one job
+// or not: each segment is trained by the one that has its claim (training/run/claim.h), and that of a process that died
+// is taken by another. Ranks wait until all segments are finished; a process that was started alone leaves to others
+// what they train. A segment that cannot be trained is named, and the others are trained nevertheless; then throws
 // InputError or RuntimeFailure.
-void train_segments(const gpu::Device& device, TrainOptions options, const training::Rig& rig, const SegmentPlan& plan,
+void train_segments(const gpu::Device& device, TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan,
                     const Ranks& ranks);
 
 }  // namespace neuvv::tools

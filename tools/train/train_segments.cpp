@@ -49,6 +49,7 @@ bool begin(const gpu::Device& device, TrainOptions& options, const training::Rig
     expect_nobody_trains(options, plan);  // the search may have taken minutes
     begin_segments(options, plan);
     if (ranks.count > 1) write_text_file(job_file(options.output), ranks.job);
+    options.settings.resume = true;
     return true;
 }
 
@@ -271,7 +272,7 @@ std::optional<training::RigCorrection> correction_of(const TrainOptions& options
     return correction;
 }
 
-void train_segments(const gpu::Device& device, TrainOptions options, const training::Rig& rig, const SegmentPlan& plan,
+void train_segments(const gpu::Device& device, TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan,
                     const Ranks& ranks) {
     if (!options.settings.resume && ranks.is_first() && !begin(device, options, rig, plan, ranks)) return;
     options.correction = correction_of(options);
