@@ -481,6 +481,17 @@ TEST_F(CliSharedTraining, AFileIsReplacedWithoutALock) {
     EXPECT_NE(read_text(scene), before);
 }
 
+// The second rank finds what the first has begun.
+TEST_F(CliSharedTraining, ThePreviewIsOfTheFirstRank) {
+    const std::vector<std::string> words = command("3", {"--preview", file("shown.png")});
+    const std::string ranks = "OMPI_COMM_WORLD_SIZE=2 PMIX_NAMESPACE=77 OMPI_COMM_WORLD_RANK=";
+    for (const char* rank : {"0", "1"}) {
+        const ProgramResult result = run_neuvv(words, ranks + rank);
+        EXPECT_EQ(result.code, 0) << result.err;
+        EXPECT_TRUE(std::filesystem::exists(file("shown.png")));
+    }
+}
+
 TEST_F(CliSharedTraining, OneFileIsTrainedByOneProcess) {
     std::vector<std::string> words = {"train", file("data"), "-o", file("one.nvv"), "--steps", "100000000"};
     const test::ChildProcess first(with_program(words), folder.path / "first");

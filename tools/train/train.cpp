@@ -234,7 +234,7 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     share_memory(options, ranks);
     expect_compatible(options, ranks);
     prepare_output(options, ranks);
-    prepare_live_outputs(options.live, options.settings.resume);
+    if (ranks.is_first()) prepare_live_outputs(options.live, options.settings.resume);  // which the others do not have
     const bool in_segments = is_in_segments(options);
     if (ranks.is_first() || options.settings.resume) {
         const std::filesystem::path place = training_place(options, in_segments, common.overwrite);
