@@ -33,6 +33,15 @@ void tell(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
     fmt::print("{}", text_for_terminal(fmt::format(format, std::forward<Arguments>(arguments)...)));
 }
 
+// The same where a failure must not end what goes on, such as a training. Program::run sees it at the end.
+template <typename... Arguments>
+void tell_if_possible(fmt::format_string<Arguments...> format, Arguments&&... arguments) noexcept {
+    try {
+        tell(format, std::forward<Arguments>(arguments)...);
+    } catch (...) {  // the stream keeps the failure
+    }
+}
+
 // Writes to stderr, with no line feed added. Nothing is thrown where that fails, as on a full disk: a remark that
 // nobody can read is no reason to end a training.
 template <typename... Arguments>

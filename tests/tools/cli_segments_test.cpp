@@ -492,6 +492,16 @@ TEST_F(CliSharedTraining, ThePreviewIsOfTheFirstRank) {
     }
 }
 
+// On a full disk for instance. stdbuf: each line is written at once.
+TEST_F(CliSharedTraining, AllIsTrainedWhereNobodyCanReadWhatItTells) {
+    ASSERT_EQ(run_neuvv(command("3", {})).code, 0);
+    const std::string before = read_text(segment(2));
+    EXPECT_EQ(run_neuvv(command("6", {"--overwrite"}), "stdbuf -oL", ">/dev/full").code, 1);
+    expect_finished();
+    EXPECT_NE(read_text(segment(2)), before);
+    EXPECT_FALSE(std::filesystem::exists(show + "/new.nvv"));
+}
+
 TEST_F(CliSharedTraining, OneFileIsTrainedByOneProcess) {
     std::vector<std::string> words = {"train", file("data"), "-o", file("one.nvv"), "--steps", "100000000"};
     const test::ChildProcess first(with_program(words), folder.path / "first");

@@ -63,10 +63,10 @@ void print_colours(const training::CameraColours& colours, const std::vector<tra
     bool agree = true;
     for (size_t i = 0; i < colours.cameras(); ++i) {
         const std::string text = colour_text(colours, i);
-        if (!text.empty()) tell("camera {}: {}\n", cameras[i].name, text.substr(2));
+        if (!text.empty()) tell_if_possible("camera {}: {}\n", cameras[i].name, text.substr(2));
         agree &= text.empty();
     }
-    if (agree) tell("the colours of all cameras agree within {:.0f} %\n", 100 * kEqualGains);
+    if (agree) tell_if_possible("the colours of all cameras agree within {:.0f} %\n", 100 * kEqualGains);
 }
 
 constexpr double kStillPixels = 0.25;  // poses that move images less are not worth a line
@@ -79,7 +79,7 @@ void print_poses(const std::vector<training::RefinedPose>& poses, const std::vec
         if (poses[i].motion_px < kStillPixels && !poses[i].at_bound) continue;
         const glm::dvec3 turn(change[training::kTurnX], change[training::kTurnY], change[training::kTurnZ]);
         const glm::dvec3 shift(change[training::kShiftX], change[training::kShiftY], change[training::kShiftZ]);
-        tell(
+        tell_if_possible(
             "camera {}: its image moved by {:.2f} pixels (turned by {:.2f}°, shifted by {:.1f} mm, focal length "
             "{:+.2f} %){}\n",
             cameras[i].name, poses[i].motion_px, glm::degrees(glm::length(turn)), 1000 * glm::length(shift),
@@ -87,7 +87,7 @@ void print_poses(const std::vector<training::RefinedPose>& poses, const std::vec
             poses[i].at_bound ? ": as far as a pose may move; its calibration is probably wrong" : "");
         still = false;
     }
-    if (still) tell("the poses of all cameras stayed within {} pixels\n", kStillPixels);
+    if (still) tell_if_possible("the poses of all cameras stayed within {} pixels\n", kStillPixels);
 }
 
 void print_times(const std::vector<double>& frames_late, const std::vector<training::RigCamera>& cameras) {
@@ -99,12 +99,12 @@ void print_times(const std::vector<double>& frames_late, const std::vector<train
         const bool between = training::is_between_frames(frames_late[i]);
         if (whole == 0 && !between) continue;
         agree = false;
-        tell("camera {}: late by {:+.2f} frames; its images {}\n", cameras[i].name, frames_late[i],
-             out[i]    ? "lie between frames, and were left out"
-             : between ? "lie between frames, as those of many cameras do, and were used all the same"
-                       : fmt::format("were moved by {:+} frames", whole));
+        tell_if_possible("camera {}: late by {:+.2f} frames; its images {}\n", cameras[i].name, frames_late[i],
+                         out[i]    ? "lie between frames, and were left out"
+                         : between ? "lie between frames, as those of many cameras do, and were used all the same"
+                                   : fmt::format("were moved by {:+} frames", whole));
     }
-    if (agree) tell("no camera was found to be late\n");
+    if (agree) tell_if_possible("no camera was found to be late\n");
 }
 
 }  // namespace

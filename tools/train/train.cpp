@@ -147,8 +147,9 @@ void run_plan(TrainOptions& options, const training::Rig& rig, const SegmentPlan
         expect_nobody_trains(options, plan);
     }
     begin_segments(options, plan);
-    tell("planned {}: {} frames in {} segments; the same command with --resume in place of --plan trains them\n",
-         options.clip().string(), plan.frames(), plan.segments.size());
+    tell_if_possible(
+        "planned {}: {} frames in {} segments; the same command with --resume in place of --plan trains them\n",
+        options.clip().string(), plan.frames(), plan.segments.size());
 }
 
 // Of the first rank, which begins the clip: nobody else trains it from now on.
@@ -214,19 +215,19 @@ std::optional<media::Sound> read_audio(const TrainOptions& options) {
 // What the user may still want to know of a run that has ended: where the clip is, and what else lies there.
 void conclude(const TrainOptions& options, bool complete) {
     if (!options.replaces.empty() && !complete) {
-        tell("{} stays as it is until the new one is whole\n", options.replaces.string());
+        tell_if_possible("{} stays as it is until the new one is whole\n", options.replaces.string());
         return;
     }
     if (!options.replaces.empty()) {
         finish_replacement(options);
-        tell("{} is replaced by it\n", options.replaces.string());
+        tell_if_possible("{} is replaced by it\n", options.replaces.string());
     }
     const std::filesystem::path state = training::state_path(options.clip());
     std::error_code error;
     const uint64_t bytes = std::filesystem::file_size(state, error);
     if (complete && !error)
-        tell("{}, {}, is only for --resume with a larger budget: remove it when the clip is good\n", state.string(),
-             size_text(bytes));
+        tell_if_possible("{}, {}, is only for --resume with a larger budget: remove it when the clip is good\n",
+                         state.string(), size_text(bytes));
 }
 
 void run_train(TrainOptions options, const CommonOptions& common) {

@@ -180,7 +180,7 @@ void write_empty(const TrainOptions& options, const training::Dataset& dataset) 
     voctree::build_topology(tree, {});
     const voctree::ChunkOfFrame chunk(dataset.frame);
     voctree::write_nvv(options.output, tree, chunk.views());
-    tell("wrote {}: no image of it shows the performer\n", options.output.string());
+    tell_if_possible("wrote {}: no image of it shows the performer\n", options.output.string());
 }
 
 }  // namespace
@@ -236,7 +236,7 @@ bool train_rig(const gpu::Device& device, const TrainOptions& options, const tra
     LiveReport live(device, dataset, load, options);
     const bool searches = refine.needs_search() && !options.frames && !settings.resume;
     if (searches && !correct_rig(device, dataset, refine, settings)) {
-        tell("interrupted while errors of the rig were searched for: nothing was written\n");
+        tell_if_possible("interrupted while errors of the rig were searched for: nothing was written\n");
         return false;
     }
     settings.tiles_per_step = training::default_tiles_per_step(device, settings.team.size);
@@ -256,12 +256,13 @@ bool train_rig(const gpu::Device& device, const TrainOptions& options, const tra
     line.end();
     const bool complete = last.fraction >= 1;
     if (!settings.team.is_first()) return complete;
-    tell("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves, last.step,
-         last.epochs, format_duration(last.elapsed_s));
+    tell_if_possible("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
+                     last.step, last.epochs, format_duration(last.elapsed_s));
     print_corrections(last, rig.cameras);
     if (settings.resume && last.step == last.began_at_step)
-        tell("the run had spent its budget; more --minutes or --steps go on from there\n");
-    if (stop_requested() && !complete) tell("interrupted; the same command with --resume goes on from here\n");
+        tell_if_possible("the run had spent its budget; more --minutes or --steps go on from there\n");
+    if (stop_requested() && !complete)
+        tell_if_possible("interrupted; the same command with --resume goes on from here\n");
     return complete;
 }
 

@@ -171,7 +171,7 @@ void SegmentedRun::train_free_ones() {
     for (const size_t i : unfinished()) {
         if (stop_requested()) {
             if (ranks_.is_first() && !said_interrupted_)
-                tell("interrupted; the same command with --resume goes on from here\n");
+                tell_if_possible("interrupted; the same command with --resume goes on from here\n");
             return;
         }
         if (is_finished(i)) continue;
@@ -183,7 +183,7 @@ void SegmentedRun::train_free_ones() {
 void SegmentedRun::say_who_trains(const std::vector<size_t>& segments) const {
     for (const size_t i : segments)
         if (const auto claim = training::claim_of(segments_[i].file))
-            tell("{} is left to {}, which trains it\n", name_of(i), claim->owner);
+            tell_if_possible("{} is left to {}, which trains it\n", name_of(i), claim->owner);
 }
 
 void SegmentedRun::run() {
@@ -217,12 +217,12 @@ void SegmentedRun::conclude() const {
     }
     if (std::find(finished_.begin(), finished_.end(), false) != finished_.end()) {
         if (ranks_.is_first() && !options_.replaces.empty())
-            tell("{} stays as it is until the new one is whole\n", options_.replaces.string());
+            tell_if_possible("{} stays as it is until the new one is whole\n", options_.replaces.string());
         return;
     }
     if (!options_.replaces.empty()) finish_replacement(options_);
     if (ranks_.is_first())
-        tell("wrote {}: {} frames in {} segments\n", options_.clip().string(), frames_, segments_.size());
+        tell_if_possible("wrote {}: {} frames in {} segments\n", options_.clip().string(), frames_, segments_.size());
 }
 
 }  // namespace
@@ -254,7 +254,7 @@ bool correct_clip(const gpu::Device& device, TrainOptions& options, const traini
         }
         if (options.correction) return true;
         if (stop_requested()) {
-            tell("interrupted while errors of the rig were searched for: nothing was written\n");
+            tell_if_possible("interrupted while errors of the rig were searched for: nothing was written\n");
             return false;
         }
     }
