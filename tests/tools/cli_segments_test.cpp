@@ -282,12 +282,14 @@ TEST_F(CliSegments, AFileIsReplacedOnceTheNewOneIsWhole) {
         more.insert(more.begin(), command.begin(), command.end());
         return more;
     };
+    std::filesystem::copy_file(scene, file("scene.new.nvv"));  // of a user who likes that name
+    std::filesystem::copy_file(scene, file("scene.new.nvv.state"));
     expect_refused(with({"--steps", "2"}), 2, {"scene.nvv", "is there already", "--resume", "--overwrite"});
     {
         std::vector<std::string> words = with({"--steps", "100000000", "--overwrite"});
         words.insert(words.begin(), NEUVV_PROGRAM);
         const test::ChildProcess killed(words, folder.path / "log");
-        ASSERT_TRUE(killed.until([&] { return std::filesystem::exists(training::state_path(file("scene.new.nvv"))); }))
+        ASSERT_TRUE(killed.until([&] { return std::filesystem::exists(training::state_path(file(".scene.new.nvv"))); }))
             << read_text(folder.path / "log");
         expect_refused(with({"--steps", "2", "--overwrite"}), 2, {"is being trained by process"});
         killed.send(SIGKILL);
@@ -299,7 +301,9 @@ TEST_F(CliSegments, AFileIsReplacedOnceTheNewOneIsWhole) {
     EXPECT_NE(resumed.out.find("is replaced by it"), std::string::npos) << resumed.out;
     EXPECT_NE(resumed.out.find("scene.nvv.state, "), std::string::npos) << resumed.out;
     EXPECT_NE(read_text(scene), before);
-    for (const char* rest : {"scene.new.nvv", "scene.new.nvv.state"}) EXPECT_FALSE(std::filesystem::exists(file(rest)));
+    for (const char* mine : {"scene.new.nvv", "scene.new.nvv.state"}) EXPECT_EQ(read_text(file(mine)), before);
+    for (const char* rest : {".scene.new.nvv", ".scene.new.nvv.state"})
+        EXPECT_FALSE(std::filesystem::exists(file(rest)));
     EXPECT_TRUE(std::filesystem::exists(training::state_path(scene))) << "a larger budget goes on from it";
 }
 
@@ -471,16 +475,6 @@ TEST_F(CliSharedTraining, AReplacementThatIsBeingTrainedStays) {
     EXPECT_EQ(voctree::read_clip_index(place).segments.size(), 3u);
 }
 
-// The folder in the lock's place stands for a file system without locks.
-TEST_F(CliSharedTraining, AFileIsReplacedWithoutALock) {
-    std::filesystem::create_directory(file(".scene.new.nvv.replace"));
-    const std::string before = read_text(scene);
-    const ProgramResult result =
-        run_neuvv({"train", file("data"), "-o", scene, "--resolution", "32", "--steps", "2", "--overwrite"});
-    EXPECT_EQ(result.code, 0) << result.err;
-    EXPECT_NE(read_text(scene), before);
-}
-
 // The second rank finds what the first has begun.
 TEST_F(CliSharedTraining, ThePreviewIsOfTheFirstRank) {
     const std::vector<std::string> words = command("3", {"--preview", file("shown.png")});
@@ -500,6 +494,16 @@ TEST_F(CliSharedTraining, AllIsTrainedWhereNobodyCanReadWhatItTells) {
     expect_finished();
     EXPECT_NE(read_text(segment(2)), before);
     EXPECT_FALSE(std::filesystem::exists(show + "/new.nvv"));
+}
+
+// The folder in the lock's place stands for a file system without locks.
+TEST_F(CliSharedTraining, AFileIsReplacedWithoutALock) {
+    std::filesystem::create_directory(file(".scene.new.nvv.replace"));
+    const std::string before = read_text(scene);
+    const ProgramResult result =
+        run_neuvv({"train", file("data"), "-o", scene, "--resolution", "32", "--steps", "2", "--overwrite"});
+    EXPECT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(read_text(scene), before);
 }
 
 TEST_F(CliSharedTraining, OneFileIsTrainedByOneProcess) {

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/file_lock.h"
 #include "base/platform.h"
+#include "tools/say.h"
 #include "training/rig/rig_file.h"
 #include "training/run/checkpoint.h"
 #include "training/run/claim.h"
@@ -100,7 +101,7 @@ std::optional<FileLock> lock_if_possible(const std::filesystem::path& file) {
 
 std::filesystem::path replacement_of(const std::filesystem::path& clip) {
     if (voctree::is_segmented(clip)) return clip / "new.nvv";
-    return std::filesystem::path(clip).replace_extension(".new.nvv");
+    return clip.parent_path() / fmt::format(".{}.new.nvv", clip.stem().string());
 }
 
 bool has_replacement(const std::filesystem::path& clip) {
@@ -136,6 +137,7 @@ void begin_replacement(const TrainOptions& options) {
             for (const std::filesystem::path& file : {place, training::state_path(place), voctree::sound_file(place)})
                 std::filesystem::remove(file);
         }
+        say("{} is trained anew as {}\n", options.replaces.string(), place.string());
     } catch (const std::filesystem::filesystem_error& error) {
         throw RuntimeFailure(fmt::format("{}: cannot be begun: {}", place.string(), error.code().message()));
     }

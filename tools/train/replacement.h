@@ -1,5 +1,5 @@
-// A clip that is trained anew beside the finished one, which it replaces once it is whole: NAME.new.nvv beside
-// NAME.nvv, or the folder `new` in the folder of a clip in segments.
+// A clip that is trained anew beside the finished one, which it replaces once it is whole: .NAME.new.nvv beside
+// NAME.nvv, hidden so that no clip of the user has that name, or the folder new.nvv in that of a clip in segments.
 #pragma once
 
 #include <filesystem>

@@ -352,7 +352,7 @@ void add_train(Command app, CommonOptions& common) {
     verb.add_option(
             "-o,--output", options->output,
             "The .nvv to write, with its .state beside it. One that is there is trained on by --resume; --overwrite "
-            "trains it anew, as NAME.new.nvv, which replaces it once it is whole")
+            "trains it anew, as .NAME.new.nvv, which replaces it once it is whole")
         .required();
     Option minutes = verb.add_option("--minutes", options->settings.minutes, "Budget in wall time (default 20)")
                          .number_between(0.01, 1e5);
