@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "media/image.h"
+
 extern "C" {
 #include <libavutil/pixdesc.h>
 }
@@ -58,8 +60,9 @@ double light_of(AVColorTransferCharacteristic transfer, double value) {
     }
 }
 
-// The byte of light of 0 to 1. The table's steps are even in the root of light, which no byte spans less than four of.
-uint8_t byte_of(float light) {
+// The byte of BT.1886 of light of 0 to 1. The table's steps are even in the root of light, which no byte spans less
+// than four of.
+uint8_t screen_byte(float light) {
     constexpr size_t kSteps = 4096;
     static const auto table = [] {
         std::array<uint8_t, kSteps + 1> bytes{};
@@ -86,7 +89,9 @@ std::optional<VideoColour> VideoColour::of(AVColorTransferCharacteristic transfe
 }
 
 VideoColour::VideoColour(AVColorTransferCharacteristic transfer, AVColorPrimaries primaries)
-    : gamut_(gamut_of(primaries)), light_(size_t{1} << 16) {
+    : gamut_(gamut_of(primaries)),
+      byte_of_(transfer == AVCOL_TRC_LINEAR ? srgb_byte_from_linear : screen_byte),
+      light_(size_t{1} << 16) {
     for (size_t i = 0; i < light_.size(); ++i)
         light_[i] = static_cast<float>(light_of(transfer, static_cast<double>(i) / kMaxValue));
 }
@@ -95,7 +100,7 @@ void VideoColour::to_srgb(const uint16_t* rgba, uint8_t* srgb, size_t pixels) co
     for (const uint16_t* end = rgba + 4 * pixels; rgba != end; rgba += 4, srgb += 4) {
         const float light[3] = {light_[rgba[0]], light_[rgba[1]], light_[rgba[2]]};
         for (size_t c = 0; c < 3; ++c)
-            srgb[c] = byte_of(gamut_[3 * c] * light[0] + gamut_[3 * c + 1] * light[1] + gamut_[3 * c + 2] * light[2]);
+            srgb[c] = byte_of_(gamut_[3 * c] * light[0] + gamut_[3 * c + 1] * light[1] + gamut_[3 * c + 2] * light[2]);
         srgb[3] = static_cast<uint8_t>(rgba[3] >> 8);
     }
 }

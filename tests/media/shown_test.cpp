@@ -7,6 +7,7 @@
 
 #include "media/orientation.h"
 #include "media/video.h"
+#include "media/video_colour.h"
 #include "media/video_times.h"
 #include "support/input_error.h"
 #include "support/jpeg_file.h"
@@ -245,6 +246,18 @@ TEST(VideoReader, OtherLightBecomesSrgb) {
             for (size_t c = 0; c < 3; ++c)
                 EXPECT_NEAR(frame.at(10 * i + 5, 5)[c], patches[i][c], 3)
                     << kind.word << " patch " << i << " channel " << c;
+    }
+}
+
+TEST(VideoColour, LinearLightIsEncodedAsSrgb) {
+    const auto colour = media::VideoColour::of(AVCOL_TRC_LINEAR, AVCOL_PRI_BT709);
+    ASSERT_TRUE(colour.has_value());
+    for (int i = 0; i < 256; ++i) {
+        const auto light = static_cast<uint16_t>(std::lround(65535 * media::linear_from_srgb(i / 255.0)));
+        const uint16_t pixel[4] = {light, light, light, 65535};
+        uint8_t srgb[4] = {};
+        colour->to_srgb(pixel, srgb, 1);
+        for (const uint8_t byte : {srgb[0], srgb[1], srgb[2]}) EXPECT_NEAR(byte, i, 1);
     }
 }
 
