@@ -62,5 +62,32 @@ TEST_F(Exporting, AClipIsPublishedFromTheMenuAndWatched) {
     EXPECT_FALSE(hands->until_rest()["verb"]["open"].get<bool>());
 }
 
+// Hours of work may end with the window.
+TEST_F(Exporting, AVerbThatRunsIsAskedAboutBeforeTheWindowCloses) {
+    voctree::VOctree tree = waver_tree();
+    tree.frames *= 1000;
+    for (std::vector<float>* basis : {&tree.sigma_basis, &tree.gamma_basis}) {
+        const std::vector<float> once = *basis;
+        for (int i = 1; i < 1000; ++i) basis->insert(basis->end(), once.begin(), once.end());
+    }
+    voctree::write_nvv(clip, tree);
+    const auto hands = open(clip, "900x700");
+    hands->until_rest();
+    hands->click("menu/File");
+    hands->click("menu/publish");
+    hands->click("verb/start");
+    const auto quit = [&] {
+        hands->click("menu/File");
+        hands->click("menu/Quit");
+    };
+    quit();
+    hands->click("question/Cancel");
+    hands->until("the verb to run on", [](const json& now) { return now["verb"]["running"] == true; });
+    quit();
+    hands->click("question/Stop");
+    EXPECT_EQ(hands->wait_for_end(), 0);
+    EXPECT_FALSE(std::filesystem::exists(file("waver.nvs")));
+}
+
 }  // namespace
 }  // namespace neuvv::test

@@ -291,6 +291,15 @@ void Files::when_saved_or_discarded(std::function<void()> then) {
     context_.redraw();
 }
 
+void Files::ask_to_stop(std::string title, std::function<void()> then) {
+    if (question_) return;
+    question_ = FileQuestion{};
+    question_->kind = FileQuestion::Kind::kStop;
+    question_->title = std::move(title);
+    question_->afterwards = std::move(then);
+    context_.redraw();
+}
+
 void Files::close_question() {
     question_.reset();
     confirmed_.clear();

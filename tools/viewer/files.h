@@ -22,9 +22,9 @@ namespace neuvv::viewer {
 
 // A question to the user, in a modal dialog. One is asked at a time.
 struct FileQuestion {
-    enum class Kind { kUnsaved, kRecover, kPath } kind = Kind::kUnsaved;
+    enum class Kind { kUnsaved, kRecover, kPath, kStop } kind = Kind::kUnsaved;
+    std::string title;  // of kPath and kStop
     // kPath:
-    std::string title;
     std::vector<std::string> endings;  // of the files that can be selected, as ".nvv"; "" alone: a folder
     bool to_save = false;              // the path is for writing a file, else for reading one
     bool wants_folder() const { return endings == std::vector<std::string>{""}; }
@@ -34,7 +34,7 @@ struct FileQuestion {
     std::function<void(const std::filesystem::path&)> then;
     // kRecover; the first entry is the one that is offered:
     std::vector<edit::RecoveryEntry> entries;
-    // kUnsaved; called once the edits are saved or discarded:
+    // kUnsaved: called once the edits are saved or discarded. kStop: once the user has agreed.
     std::function<void()> afterwards;
 };
 
@@ -87,6 +87,10 @@ class Files {
     // call it where the user cancels, while another question is open, or while an export is under way.
     void when_saved_or_discarded(std::function<void()> then);
 
+    // Asks whether what runs, which `title` names, may be stopped, and calls `then` if so. Does nothing while another
+    // question is open.
+    void ask_to_stop(std::string title, std::function<void()> then);
+
     // To be called once a frame. Stores unsaved edits for recovery, and reads clips again whose files have changed.
     void tick();
     // For an error that ends the program, after the job queue was stopped: stores unsaved edits for recovery at once.
@@ -116,6 +120,7 @@ class Files {
     void path_panel();
     void unsaved_panel();
     void recover_panel();
+    void stop_panel();
     void close_question();
 
     void list_folder(const std::filesystem::path& folder);

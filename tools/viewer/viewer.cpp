@@ -213,10 +213,14 @@ void Viewer::round() {
     if (!window_.close_requested() || may_close_) return;
     window_.keep_open();
     context_.redraw();
-    files_.when_saved_or_discarded([this] {
-        may_close_ = true;
-        window_.close();
-    });
+    const auto close = [this] {
+        files_.when_saved_or_discarded([this] {
+            may_close_ = true;
+            window_.close();
+        });
+    };
+    if (verb_.is_running()) return files_.ask_to_stop(verb_.form().title, close);
+    close();
 }
 
 // Waits until there is something to draw. A new image of the render thread, or the result of a job, ends the wait at

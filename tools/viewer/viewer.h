@@ -121,7 +121,7 @@ class Viewer {
     std::optional<Flight> flight_;  // of the eye; nullopt: it does not fly
     std::optional<Eye> path_eye_;   // the eye that the camera path gave in the previous frame
     std::string title_;
-    bool may_close_ = false;  // unsaved edits have been asked about
+    bool may_close_ = false;  // unsaved edits and a verb that runs have been asked about
     std::vector<std::string> validation_messages_;
 };
 

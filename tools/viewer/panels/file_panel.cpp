@@ -42,7 +42,7 @@ std::filesystem::path first_of(const std::filesystem::path& path) {
 void Files::panel() {
     constexpr const char* kName = "###question";
     if (!question_) return;
-    const char* titles[] = {"Unsaved edits", "Recover edits", question_->title.c_str()};
+    const char* titles[] = {"Unsaved edits", "Recover edits", question_->title.c_str(), question_->title.c_str()};
     const std::string title = std::string(titles[static_cast<size_t>(question_->kind)]) + kName;
     if (!ImGui::IsPopupOpen(title.c_str())) ImGui::OpenPopup(title.c_str());
     const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -60,6 +60,9 @@ void Files::panel() {
             break;
         case FileQuestion::Kind::kPath:
             path_panel();
+            break;
+        case FileQuestion::Kind::kStop:
+            stop_panel();
             break;
     }
     if (!question_) ImGui::CloseCurrentPopup();
@@ -115,6 +118,17 @@ void Files::recover_panel() {
         close_question();
         then(path);
     }
+}
+
+void Files::stop_panel() {
+    ImGui::TextUnformatted("It still runs. Closing the window stops it.");
+    ImGui::Spacing();
+    const auto afterwards = question_->afterwards;
+    if (button(context_, "Stop")) {
+        close_question();
+        return afterwards();
+    }
+    if (button(context_, "Cancel") || context_.frame.escape) close_question();
 }
 
 void Files::path_panel() {
