@@ -43,7 +43,6 @@ class ClipFiles {
     // The device must outlive this and all that it reads.
     explicit ClipFiles(const gpu::Device& device, SolidParts solid = SolidParts::kNo)
         : device_(device), solid_(solid) {}
-    const gpu::Device& device() const { return device_; }
     // Waits for the files that are being read, but not for servers.
     ~ClipFiles();
     ClipFiles(const ClipFiles&) = delete;

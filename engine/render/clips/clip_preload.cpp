@@ -4,7 +4,6 @@
 
 #include "base/error.h"
 #include "base/trace_file.h"
-#include "render/clips/warm_up.h"
 
 namespace neuvv::render {
 
@@ -32,7 +31,6 @@ void ClipPreload::run(const Each& each, const std::function<void()>& done) {
     try {
         for (size_t i = 0; i < clips_.size(); ++i) {
             read(clips_[i]);
-            prepare_passes();
             if (each && i + 1 < clips_.size()) each(i + 1);
         }
     } catch (const InputError&) {
@@ -41,18 +39,6 @@ void ClipPreload::run(const Each& each, const std::function<void()>& done) {
     }
     done_ = true;
     if (done) done();
-}
-
-// Of the clip that was read last. Without memory for that, the first image of the clip takes longer.
-void ClipPreload::prepare_passes() {
-    {
-        const std::lock_guard lock(mutex_);
-        if (stop_ || kept_.empty()) return;
-    }
-    try {
-        warm_up(files_->device(), kept_.back()->field);
-    } catch (const RuntimeFailure&) {
-    }
 }
 
 void ClipPreload::read(const std::filesystem::path& clip) {

@@ -1,5 +1,5 @@
 // Reads clips for a stage to come on a thread of its own, so that StageLoader::load then finds them on the device, and
-// no image waits for them. The thread also has the device compile what draws them (warm_up.h).
+// no image waits for them.
 #pragma once
 
 #include <atomic>
@@ -34,7 +34,6 @@ class ClipPreload {
     void run(const Each& each, const std::function<void()>& done);
     void read(const std::filesystem::path& clip);
     void read_segment(const voctree::ClipSegment& segment);
-    void prepare_passes();
     std::shared_ptr<ClipFiles> files_;
     std::vector<std::filesystem::path> clips_;
     // What was read, which is kept on the device until the stage has it; and streams, which stay open.
