@@ -22,13 +22,24 @@ constexpr double kHlgGamma = 1.2;       // of that display
 constexpr double kScreenGamma = 2.4;    // BT.1886, of the screens that BT.709 is made for
 constexpr float kMaxValue = 65535;
 
-// BT.2087, and the same of Display P3 (SMPTE EG 432-1).
+// BT.2087, and the same of Display P3 (SMPTE EG 432-1) and of DCI-P3 (SMPTE RP 431-2), whose white becomes that of sRGB
+// by Bradford's method.
 constexpr float kFrom2020[9] = {1.6605f, -0.5876f, -0.0728f, -0.1246f, 1.1329f, -0.0083f, -0.0182f, -0.1006f, 1.1187f};
 constexpr float kFromP3[9] = {1.2249f, -0.2247f, 0, -0.0420f, 1.0419f, 0, -0.0197f, -0.0786f, 1.0979f};
+constexpr float kFromDci[9] = {1.1575f, -0.1550f, -0.0026f, -0.0415f, 1.0456f, -0.0041f, -0.0181f, -0.0786f, 1.0966f};
 constexpr float kSame[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
 const float* gamut_of(AVColorPrimaries primaries) {
-    return primaries == AVCOL_PRI_BT2020 ? kFrom2020 : primaries == AVCOL_PRI_SMPTE432 ? kFromP3 : kSame;
+    switch (primaries) {
+        case AVCOL_PRI_BT2020:
+            return kFrom2020;
+        case AVCOL_PRI_SMPTE431:
+            return kFromDci;
+        case AVCOL_PRI_SMPTE432:
+            return kFromP3;
+        default:
+            return kSame;
+    }
 }
 
 // BT.2100: light of the scene, 0 to 1, and the gamma of the display. The gamma is taken channel by channel, as screens
@@ -78,6 +89,29 @@ uint8_t screen_byte(float light) {
 bool is_known(AVColorTransferCharacteristic transfer) {
     return transfer != AVCOL_TRC_LOG && transfer != AVCOL_TRC_LOG_SQRT && transfer != AVCOL_TRC_SMPTE428;
 }
+// Of gamuts without a matrix above, those that are nearly that of sRGB.
+bool is_known(AVColorPrimaries primaries) {
+    constexpr AVColorPrimaries kKnown[] = {AVCOL_PRI_RESERVED0, AVCOL_PRI_BT709,   AVCOL_PRI_UNSPECIFIED,
+                                           AVCOL_PRI_RESERVED,  AVCOL_PRI_BT470BG, AVCOL_PRI_SMPTE170M,
+                                           AVCOL_PRI_SMPTE240M, AVCOL_PRI_EBU3213};
+    return gamut_of(primaries) != kSame || std::ranges::find(kKnown, primaries) != std::end(kKnown);
+}
+// The matrices that libswscale has; VideoReader takes BT2020_CL as BT2020_NCL.
+bool is_known(AVColorSpace matrix) {
+    constexpr AVColorSpace kKnown[] = {
+        AVCOL_SPC_RGB,     AVCOL_SPC_BT709,     AVCOL_SPC_UNSPECIFIED, AVCOL_SPC_RESERVED,   AVCOL_SPC_FCC,
+        AVCOL_SPC_BT470BG, AVCOL_SPC_SMPTE170M, AVCOL_SPC_SMPTE240M,   AVCOL_SPC_BT2020_NCL, AVCOL_SPC_BT2020_CL};
+    return std::ranges::find(kKnown, matrix) != std::end(kKnown);
+}
+
+// What of the stream's colours is not converted; empty where there is nothing.
+std::string unconverted(const AVCodecParameters& stream) {
+    const auto text = [](const char* what, const char* name) { return fmt::format("{} {}", what, name ? name : "?"); };
+    if (!is_known(stream.color_trc)) return text("transfer function", av_color_transfer_name(stream.color_trc));
+    if (!is_known(stream.color_space)) return text("matrix", av_color_space_name(stream.color_space));
+    if (!is_known(stream.color_primaries)) return text("primaries", av_color_primaries_name(stream.color_primaries));
+    return {};
+}
 
 }  // namespace
 
@@ -106,19 +140,18 @@ void VideoColour::to_srgb(const uint16_t* rgba, uint8_t* srgb, size_t pixels) co
 }
 
 std::string colour_note(const AVCodecParameters& stream) {
-    if (!is_known(stream.color_trc))
-        return fmt::format("has the transfer function {}, which is not converted: its colours are wrong",
-                           av_color_transfer_name(stream.color_trc));
-    if (stream.color_space == AVCOL_SPC_ICTCP || stream.color_space == AVCOL_SPC_YCGCO)
-        return fmt::format("has colours as {}, which are not converted: they are wrong",
-                           av_color_space_name(stream.color_space));
+    if (const std::string what = unconverted(stream); !what.empty())
+        return fmt::format("has colours by the {}, which are not converted: they are wrong", what);
     if (!VideoColour::of(stream.color_trc, stream.color_primaries)) return {};
-    const bool wide = gamut_of(stream.color_primaries) != kSame;
     const char* transfer = stream.color_trc == AVCOL_TRC_ARIB_STD_B67 ? "HLG"
                            : stream.color_trc == AVCOL_TRC_SMPTE2084  ? "PQ"
                            : stream.color_trc == AVCOL_TRC_LINEAR     ? "linear light"
                                                                       : "";
-    const char* gamut = !wide ? "" : stream.color_primaries == AVCOL_PRI_BT2020 ? "BT.2020" : "Display P3";
+    const float* from = gamut_of(stream.color_primaries);
+    const char* gamut = from == kFrom2020  ? "BT.2020"
+                        : from == kFromDci ? "DCI-P3"
+                        : from == kFromP3  ? "Display P3"
+                                           : "";
     const bool bright = stream.color_trc == AVCOL_TRC_ARIB_STD_B67 || stream.color_trc == AVCOL_TRC_SMPTE2084;
     return fmt::format("{}{}{}, converted to sRGB{}", transfer, *transfer && *gamut ? " in " : "", gamut,
                        bright ? "; what is brighter than white (203 cd/m²) is clipped" : "");

@@ -1,5 +1,5 @@
 // Light of videos that is encoded otherwise than for the usual screens: HLG and PQ (ITU-R BT.2100), and the wide gamuts
-// of BT.2020 and Display P3. Those of BT.709 and BT.601 are taken as sRGB, as players show them.
+// of BT.2020, Display P3 and DCI-P3. Those of BT.709 and BT.601 are taken as sRGB, as players show them.
 #pragma once
 
 #include <cstdint>

@@ -261,6 +261,47 @@ TEST(VideoColour, LinearLightIsEncodedAsSrgb) {
     }
 }
 
+// The primaries of SMPTE RP 431-2 and sRGB, and Bradford's matrix, give these numbers.
+TEST(VideoColour, DciP3IsConverted) {
+    const auto colour = media::VideoColour::of(AVCOL_TRC_BT709, AVCOL_PRI_SMPTE431);
+    ASSERT_TRUE(colour.has_value());
+    const std::pair<std::array<int, 3>, std::array<double, 3>> kPairs[] = {{{200, 100, 100}, {210.3, 92.2, 96.7}},
+                                                                           {{100, 180, 90}, {76.2, 182.6, 75.6}},
+                                                                           {{60, 80, 200}, {54.7, 79.6, 207.1}},
+                                                                           {{255, 255, 255}, {255, 255, 255}}};
+    for (const auto& [from, to] : kPairs) {
+        uint16_t pixel[4] = {0, 0, 0, 65535};
+        for (size_t c = 0; c < 3; ++c) pixel[c] = static_cast<uint16_t>(257 * from[c]);
+        uint8_t srgb[4] = {};
+        colour->to_srgb(pixel, srgb, 1);
+        for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(srgb[c], to[c], 1);
+    }
+}
+
+TEST(VideoColour, SaysWhatIsNotConverted) {
+    const auto note = [](AVColorTransferCharacteristic transfer, AVColorPrimaries primaries, AVColorSpace matrix) {
+        AVCodecParameters stream{};
+        stream.color_trc = transfer;
+        stream.color_primaries = primaries;
+        stream.color_space = matrix;
+        return media::colour_note(stream);
+    };
+    EXPECT_EQ(note(AVCOL_TRC_BT709, AVCOL_PRI_BT709, AVCOL_SPC_BT709), "");
+    EXPECT_EQ(note(AVCOL_TRC_SMPTE170M, AVCOL_PRI_SMPTE170M, AVCOL_SPC_SMPTE170M), "");
+    EXPECT_EQ(note(AVCOL_TRC_UNSPECIFIED, AVCOL_PRI_UNSPECIFIED, AVCOL_SPC_UNSPECIFIED), "");
+    EXPECT_EQ(note(AVCOL_TRC_BT709, AVCOL_PRI_SMPTE431, AVCOL_SPC_BT709), "DCI-P3, converted to sRGB");
+    EXPECT_EQ(note(AVCOL_TRC_BT709, AVCOL_PRI_SMPTE432, AVCOL_SPC_BT709), "Display P3, converted to sRGB");
+    EXPECT_NE(note(AVCOL_TRC_LOG, AVCOL_PRI_BT709, AVCOL_SPC_BT709).find("transfer function log"), std::string::npos);
+    for (const int matrix : {8, 11, 12, 13, 14})
+        EXPECT_NE(note(AVCOL_TRC_BT709, AVCOL_PRI_BT709, static_cast<AVColorSpace>(matrix)).find("wrong"),
+                  std::string::npos)
+            << matrix;
+    for (const int primaries : {4, 8, 10})
+        EXPECT_NE(note(AVCOL_TRC_BT709, static_cast<AVColorPrimaries>(primaries), AVCOL_SPC_BT709).find("wrong"),
+                  std::string::npos)
+            << primaries;
+}
+
 TEST(VideoReader, SaysWhatItDoesNotApply) {
     const TemporaryFolder folder;
     VideoFile video{{0, 40}};
