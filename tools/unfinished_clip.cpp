@@ -1,12 +1,45 @@
 #include "tools/unfinished_clip.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+
+#include <cstdio>
 
 #include "base/error.h"
 #include "tools/results.h"
 #include "voctree/clip_index.h"
 
 namespace neuvv::tools {
+
+namespace {
+
+// A name beside the clip that is free: one may be there, left by a process that was killed.
+std::filesystem::path name_of_replaced(const std::filesystem::path& clip) {
+    std::filesystem::path name = clip.string() + ".replaced";
+    for (int i = 2; std::filesystem::exists(std::filesystem::symlink_status(name)); ++i)
+        name = fmt::format("{}.replaced{}", clip.string(), i);
+    return name;
+}
+
+// The two change places at once, and the old clip is removed; where the file system cannot do that, the old one steps
+// aside, and returns where it cannot be replaced.
+void replace_clip(const std::filesystem::path& made, const std::filesystem::path& clip, std::error_code& error) {
+    std::error_code ignored;
+    if (renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, clip.c_str(), RENAME_EXCHANGE) == 0) {
+        std::filesystem::remove_all(made, ignored);
+        return;
+    }
+    const std::filesystem::path old = name_of_replaced(clip);
+    std::filesystem::rename(clip, old, error);
+    if (error) return;
+    std::filesystem::rename(made, clip, error);
+    if (error)
+        std::filesystem::rename(old, clip, ignored);
+    else
+        std::filesystem::remove_all(old, ignored);
+}
+
+}  // namespace
 
 UnfinishedClip::UnfinishedClip(const std::filesystem::path& output)
     : output_(voctree::clip_path(output)), folder_(output_.string() + ".unfinished") {
@@ -47,14 +80,13 @@ UnfinishedClip::~UnfinishedClip() {
 void UnfinishedClip::finish(const std::filesystem::path& made) const {
     std::error_code error;
     std::filesystem::remove(lock(), error);
-    const std::filesystem::path old = output_.string() + ".replaced";
     // A file takes the place of a file at once.
     const bool replaces = std::filesystem::exists(output_) &&
                           (std::filesystem::is_directory(output_) || std::filesystem::is_directory(made));
-    if (replaces) std::filesystem::rename(output_, old, error);
-    if (!error) std::filesystem::rename(made, output_, error);
-    if (replaces && error) std::filesystem::rename(old, output_);
-    if (replaces && !error) std::filesystem::remove_all(old);
+    if (replaces)
+        replace_clip(made, output_, error);
+    else
+        std::filesystem::rename(made, output_, error);
     if (error) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", output_.string(), error.message()));
 }
 

@@ -129,6 +129,19 @@ TEST_F(ClipVerb, WhatAKilledProgramLeftIsReplaced) {
     expect_refused({"clip", "cut", parts, "-o", file("c.nvv")}, 2, {"c.nvv.unfinished", "being written"});
 }
 
+// Whatever a process that was killed left beside it.
+TEST_F(ClipVerb, AClipIsReplacedByAnother) {
+    write_text(file("a.nvv.replaced/000000.nvv"), "old");
+    for (const uint32_t frames : {5u, 2u, 4u}) {  // a folder, a file and a folder again
+        const ProgramResult result =
+            run_neuvv({"clip", "cut", parts, "-o", file("a.nvv"), "--to", std::to_string(frames), "--overwrite"});
+        ASSERT_EQ(result.code, 0) << result.err;
+        EXPECT_EQ(voctree::read_clip_index(file("a.nvv")).frames(), frames);
+        EXPECT_EQ(folder.entries(), 4u) << "nothing but the output";
+    }
+    EXPECT_EQ(read_text(file("a.nvv.replaced/000000.nvv")), "old");
+}
+
 TEST_F(ClipVerb, WhatCannotBeIsRefused) {
     expect_refused({"clip", "cut", whole, "-o", file("a.nvv"), "--from", "4", "--to", "4"}, 2, {"--from", "6 frames"});
     expect_refused({"clip", "cut", whole, "-o", file("a.nvv"), "--to", "4s"}, 2, {"whole.nvv", "6 frames"});
