@@ -62,6 +62,21 @@ void keep_theirs(const std::filesystem::path& of, const std::filesystem::path& f
     copy_atomically(file, as / file.filename());
 }
 
+// The lock, once nobody else has it.
+std::unique_ptr<EditLock> lock_for_save(const std::filesystem::path& file, const WaitsOn& waits_on) {
+    struct StillHeld {};
+    if (!waits_on) return std::make_unique<EditLock>(file);
+    for (;;) {
+        try {
+            return std::make_unique<EditLock>(file, [] { throw StillHeld(); });
+        } catch (const StillHeld&) {
+            if (!waits_on(file))
+                throw RuntimeFailure(
+                    fmt::format("{}: not saved, as another program is editing it; save again", file.string()));
+        }
+    }
+}
+
 }  // namespace
 
 bool same_document(const Document& a, const Document& b) {
@@ -81,7 +96,7 @@ std::shared_ptr<const voctree::EditLayer> open_paint(Document& document, const s
     return layer;
 }
 
-std::vector<KeptVersion> save_document(Document& document, const std::filesystem::path& path) {
+std::vector<KeptVersion> save_document(Document& document, const std::filesystem::path& path, const WaitsOn& waits_on) {
     stage::expect_sound_document(document.file);
     const std::set<std::filesystem::path> used = used_layers(document.file);
     std::vector<KeptVersion> kept;
@@ -89,12 +104,12 @@ std::vector<KeptVersion> save_document(Document& document, const std::filesystem
         const bool is_in_folder = used.contains(layer.first.parent_path());
         if (!(is_in_folder || used.contains(layer.first)) || is_saved(document, layer)) continue;
         const std::filesystem::path of = is_in_folder ? layer.first.parent_path() : layer.first;
-        const EditLock lock(of);
+        const auto lock = lock_for_save(of, waits_on);
         if (is_foreign(document, layer)) keep_theirs(of, layer.first, kept);
         (is_in_folder ? voctree::write_segment_paint : voctree::write_paint)(layer.first, *layer.second);
         document.saved_paint[layer.first] = layer.second;
     }
-    const EditLock lock(path);
+    const auto lock = lock_for_save(path, waits_on);
     if (const auto theirs = theirs_at(document, path)) {
         kept.push_back({path, theirs_path(path)});
         write_file_atomically(kept.back().as, [&](const ByteSink& sink) { sink(theirs->data(), theirs->size()); });

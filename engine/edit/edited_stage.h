@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -49,7 +50,11 @@ struct KeptVersion {
 // that share a layer share its edits. Where another program has written one of these files since it was read, that
 // version is kept; those are returned. Throws InputError for a document that could not be loaded again
 // (expect_sound_document), and RuntimeFailure where the disk fails; files that were written by then stay written.
-std::vector<KeptVersion> save_document(Document& document, const std::filesystem::path& path);
+// While another program edits a file (EditLock), `waits_on` is asked each second, with the file, whether to wait on;
+// else RuntimeFailure is thrown.
+using WaitsOn = std::function<bool(const std::filesystem::path&)>;
+std::vector<KeptVersion> save_document(Document& document, const std::filesystem::path& path,
+                                       const WaitsOn& waits_on = {});
 // The first of "stage.gltf", "stage-2.gltf", … that does not exist.
 std::filesystem::path free_path(const std::filesystem::path& preferred);
 // The message about a save: "saved stage.gltf", and what became of another program's versions.

@@ -27,7 +27,20 @@ std::string also_changed(const edit::Document& document, const std::filesystem::
     return text;
 }
 
+constexpr int kMostWait_s = 10;
+
 }  // namespace
+
+// Says once what is waited for. Other jobs wait meanwhile, so this one gives up after a while.
+edit::WaitsOn DocumentSaver::patience() {
+    return [this, waited_s = 0](const std::filesystem::path& file) mutable {
+        if (++waited_s == 1)
+            jobs_.post([this, name = file.filename().string()] {
+                editor_.notify(fmt::format("another program is editing {}: the save waits for it", name));
+            });
+        return waited_s < kMostWait_s;
+    };
+}
 
 void DocumentSaver::save(const std::filesystem::path& path, Done done) {
     editor_.end_drag();
@@ -39,7 +52,7 @@ void DocumentSaver::save(const std::filesystem::path& path, Done done) {
                     std::string problem;
                     std::vector<edit::KeptVersion> kept;
                     try {
-                        kept = edit::save_document(*document, path);
+                        kept = edit::save_document(*document, path, patience());
                     } catch (const std::exception& error) {
                         problem = error.what();
                     }

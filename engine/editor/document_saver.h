@@ -18,9 +18,9 @@ class DocumentSaver {
 
     Autosave autosave;
 
-    // Ends a drag, then writes the document as it is now to `path`. A notice says what became of it. Where it was
-    // written, `done` runs on the editor's thread with the document as it is on the disk and with the
-    // Editor::open_count() of the time of the call.
+    // Ends a drag, then writes the document as it is now to `path`. A notice says what became of it, and one before
+    // that it waits for another program, which it does for ten seconds. Where it was written, `done` runs on the
+    // editor's thread with the document as it is on the disk and with the Editor::open_count() of the time of the call.
     using Done = std::function<void(const edit::Document& saved, uint64_t open_count)>;
     void save(const std::filesystem::path& path, Done done = {});
     bool saving() const { return saving_ > 0; }
@@ -29,6 +29,7 @@ class DocumentSaver {
     std::filesystem::path default_path() const;
 
   private:
+    edit::WaitsOn patience();
     Editor& editor_;
     JobQueue& jobs_;
     int saving_ = 0;  // jobs that save

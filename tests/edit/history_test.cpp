@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
+#include "base/file_lock.h"
 #include "edit/operations.h"
 #include "edit/paint_layers.h"
 #include "stage/stage.h"
@@ -227,6 +229,21 @@ TEST_F(Histories, SavingKeepsWhatAnotherProgramWrote) {
     EXPECT_TRUE(edit::save_document(document, at("other.gltf")).empty())
         << "that another name is overwritten was asked";
     EXPECT_EQ(edit::saved_text("a.gltf", {}), "saved a.gltf");
+}
+
+TEST_F(Histories, SavingWaitsForAnotherProgramAsLongAsItIsTold) {
+    wear("red.nvpaint", 0.25f);
+    edit::History history;
+    stroke(history, "red.nvpaint", 0.5f);
+    const EditLock theirs(at("red.nvpaint"));
+    std::vector<std::filesystem::path> asked;
+    const auto twice = [&](const std::filesystem::path& file) {
+        asked.push_back(file);
+        return asked.size() < 2;
+    };
+    EXPECT_THROW(edit::save_document(document, at("stage.gltf"), twice), RuntimeFailure);
+    EXPECT_EQ(asked, (std::vector<std::filesystem::path>{at("red.nvpaint"), at("red.nvpaint")}));
+    EXPECT_EQ(red_on_disk("red.nvpaint"), 0.25f) << "what they edit stays";
 }
 
 // As by `neuvv paint` while the stage is open in the window.
