@@ -1,8 +1,9 @@
 #include "editor/open_file.h"
 
-#include <cctype>
+#include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "edit/operations.h"
 #include "stage/stage.h"
 #include "stream/byte_source.h"
@@ -14,16 +15,22 @@ namespace neuvv::editor {
 
 namespace {
 
+// Hidden clips are left out: those that a training makes to replace finished ones.
 std::filesystem::path newest_clip(const std::filesystem::path& folder) {
     std::filesystem::path newest;
     std::filesystem::file_time_type when;
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-        if (entry.path().extension() != ".nvv") continue;
-        if (!entry.is_regular_file() && !voctree::is_segmented(entry.path())) continue;
-        if (!newest.empty() && entry.last_write_time() <= when) continue;
-        newest = entry.path();
-        when = entry.last_write_time();
+    std::error_code error;
+    for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+        const std::filesystem::path& path = at->path();
+        if (path.extension() != ".nvv" || path.filename().string().starts_with('.')) continue;
+        std::error_code gone;
+        if (!at->is_regular_file(gone) && !voctree::is_segmented(path)) continue;
+        const auto written = at->last_write_time(gone);
+        if (gone || (!newest.empty() && written <= when)) continue;
+        newest = path;
+        when = written;
     }
+    if (error) throw InputError(folder.string(), "", fmt::format("cannot be read: {}", error.message()));
     if (newest.empty())
         throw InputError(folder.string(), "", "there is no .nvv in this folder",
                          "open a folder that `neuvv train` writes into, a .nvv or a stage");
@@ -62,8 +69,7 @@ stage::StageFile new_stage_of_clip(const std::filesystem::path& clip, AroundClip
 }  // namespace
 
 bool has_stage_ending(const std::filesystem::path& path) {
-    std::string ending = path.extension().string();
-    for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string ending = lower_case(path.extension().string());
     return ending == ".gltf" || ending == ".glb";
 }
 
