@@ -16,6 +16,12 @@ namespace {
 constexpr char kChunkName[] = "wRLD";
 using FrameNumbers = std::array<double, 4>;  // origin, unit: 4 f64
 
+void expect_sound(const WorldFrame& world, const std::string& file, const std::string& place) {
+    bool sound = world.unit >= kMinWorldUnit && world.unit <= kMaxWorldUnit;
+    for (int i = 0; i < 3; ++i) sound &= std::abs(world.origin[i]) <= kMaxWorldDistance;
+    if (!sound) throw InputError(file, place, "says no place of a capture", "write the file again");
+}
+
 WorldFrame frame_in_file(const std::filesystem::path& path) {
     ChunkReader file(path);
     ChunkHeader chunk;
@@ -27,9 +33,7 @@ WorldFrame frame_in_file(const std::filesystem::path& path) {
         FrameNumbers numbers{};
         std::memcpy(numbers.data(), file.take(sizeof numbers).data(), sizeof numbers);
         const WorldFrame world{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
-        bool sound = world.unit >= kMinWorldUnit && world.unit <= kMaxWorldUnit;
-        for (int i = 0; i < 3; ++i) sound &= std::abs(world.origin[i]) <= kMaxWorldDistance;
-        if (!sound) file.fail("says no place of a capture", "write the file again");
+        expect_sound(world, file.path(), std::string("chunk ") + kChunkName);
         return world;
     }
     return {};
@@ -61,7 +65,11 @@ std::vector<NvvChunkView> ChunkOfFrame::views() const {
 }
 
 WorldFrame read_world_frame(const std::filesystem::path& clip) {
-    if (stream::is_stream(clip)) return frame_of_stream(read_clip_index(clip).segments[0].stream->index().capture);
+    if (stream::is_stream(clip)) {
+        const WorldFrame world = frame_of_stream(read_clip_index(clip).segments[0].stream->index().capture);
+        expect_sound(world, clip.string(), "head");
+        return world;
+    }
     if (!is_segmented(clip)) return content_of(clip) == FileContent::kClip ? frame_in_file(clip) : WorldFrame{};
     for (const ClipSegment& segment : read_clip_index(clip).segments)
         if (content_of(segment.file) == FileContent::kClip) return frame_in_file(segment.file);

@@ -99,9 +99,11 @@ TEST_F(NvsTest, RemembersWhereItIsInItsCapture) {
     }
     expect_input_error([] { voctree::frame_for_stream({{512345.125, -3, 5.4e6}, 1}, "a.nvv"); }, {"a.nvv", "origin"});
     expect_input_error([] { voctree::frame_for_stream({{0, 0, 0}, 0.3}, "a.nvv"); }, {"a.nvv", "unit"});
-    std::filesystem::remove(path);
-    write(path, {{0, 0, 1}, 13, 0});
-    expect_input_error([&] { voctree::read_world_frame(path); }, {path.string(), "place of a capture"});
+    for (const stream::CaptureFrame& wrong : {stream::CaptureFrame{{0, 0, 1}, 13, 0}, {{0, -2, 0}, 12, 0}}) {
+        std::filesystem::remove(path);
+        write(path, wrong);
+        expect_input_error([&] { voctree::read_world_frame(path); }, {path.string(), "place of a capture"});
+    }
 }
 
 // Frames of which half stays: each needs the one before.
