@@ -27,7 +27,7 @@ bool is_hidden(Ray ray) {
 
 uint first_page = 0u, page = 0u, in_page = 0u;
 bool no_room = false;
-float surface = -1.0;  // the middle of the segment where the ray meets the surface, as t of the ray; < 0 before it does
+float surface_t = -1.0;  // in the middle of the segment where the ray meets the surface; < 0 before it does
 
 // Whether another instance of the group may cover the ray's tile. Elsewhere a layer gives the same result at a lower
 // cost than segments.
@@ -60,7 +60,7 @@ bool page_has_room(Ray ray) {
 // `before` and `after` are the transmittance before and after the segment, for an instance of opacity 1.
 void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 colour) {
     if (kRayOutput == kOutputInspect) inspect_segment(ray, part, before, after);
-    if (surface < 0.0 && after < 1.0 - kSurfaceAlpha) surface = 0.5 * (part.t_in + part.t_out);
+    if (surface_t < 0.0 && after < 1.0 - kSurfaceAlpha) surface_t = 0.5 * (part.t_in + part.t_out);
     if (!is_shared(ray) || before == after || !page_has_room(ray)) return;
     const float opacity = push.box_size.w;
     const vec2 through = 1.0 - opacity * (1.0 - vec2(before, after));
@@ -77,12 +77,12 @@ void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 c
 // of them. A captured colour is taken to be lit by a light of 1. Shadow is looked up where the ray meets the surface:
 // the distance is a mean along the ray, and that of a ray which also sees through to the back lies inside the
 // performer, in its own shadow.
-vec3 light_on(Ray ray, float world_metres) {
+vec3 light_on(Ray ray, float distance_m) {
     if ((push.lighting & kLit) == 0u) return vec3(1.0);
     const vec3 eye = texelFetch(cameras, int(kCameraTexels * ray.view)).xyz;
     const vec3 direction = normalize(camera_line(ray.view, ray.at));
-    const vec3 world = eye + world_metres * direction;
-    const vec3 seen = surface < 0.0 ? world : eye + surface * ray.world_metres * direction;
+    const vec3 world = eye + distance_m * direction;
+    const vec3 seen = surface_t < 0.0 ? world : eye + surface_t * ray.world_metres * direction;
     vec3 sum = lights.irradiance[0].rgb;
     for (uint i = 0u; i < lights.count; ++i) {
         vec3 to_light;
@@ -104,20 +104,20 @@ void store_ray(Ray ray, vec4 light, float metres, uint steps) {
         store_inspected(ray, light.a, steps);
         return;
     }
-    const float world_metres = metres * ray.world_metres;
+    const float distance_m = metres * ray.world_metres;
     if (is_shared(ray)) {
         if (page == 0u) return;
         close_page(ray, kLastPage | in_page);
-        pages[first_page * kPageWords].z = bits_of_light(light_on(ray, world_metres));
+        pages[first_page * kPageWords].z = bits_of_light(light_on(ray, distance_m));
         heads[kFirstHead + ray.index] = first_page;
         return;
     }
-    if (light.a > 0.0) light.rgb *= light_on(ray, world_metres);
+    if (light.a > 0.0) light.rgb *= light_on(ray, distance_m);
     light *= push.box_size.w;
     if (kRayOutput == kOutputLayerByDepth)
-        store_by_depth(int(ray.index), light, world_metres);
+        store_by_depth(int(ray.index), light, distance_m);
     else
-        store_under(int(ray.index), light, world_metres);
+        store_under(int(ray.index), light, distance_m);
 }
 
 #endif
