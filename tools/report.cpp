@@ -157,15 +157,15 @@ std::string capture_line(const std::filesystem::path& clip) {
                        o.x, o.y, o.z, frame.unit);
 }
 
-void tell_notes(const std::string& file, const std::vector<std::string>& notes) {
+void say_notes(const std::string& file, const std::vector<std::string>& notes) {
     for (const std::string& note : notes) say("note: {} {}\n", file, note);
 }
 
-void tell_not_shown(const std::vector<std::string>& problems) {
+void say_not_shown(const std::vector<std::string>& problems) {
     for (const std::string& problem : problems) say("neuvv: not shown: {}\n", problem);
 }
 
-void print_remarks(const std::vector<std::string>& remarks) {
+void say_remarks(const std::vector<std::string>& remarks) {
     for (const std::string& remark : remarks) say("note: {}\n", remark);
 }
 

@@ -94,12 +94,12 @@ nlohmann::ordered_json capture_json(const std::filesystem::path& clip);
 std::string capture_line(const std::filesystem::path& clip);
 
 // Says on stderr what of a file is not shown (GltfScene::notes), a line each.
-void tell_notes(const std::string& file, const std::vector<std::string>& notes);
+void say_notes(const std::string& file, const std::vector<std::string>& notes);
 
 // Says which segments of clips cannot be read, and so are not shown (StageRenderer::take_problems).
-void tell_not_shown(const std::vector<std::string>& problems);
+void say_not_shown(const std::vector<std::string>& problems);
 
 // Says on stderr what the loader of a data set decided by itself.
-void print_remarks(const std::vector<std::string>& remarks);
+void say_remarks(const std::vector<std::string>& remarks);
 
 }  // namespace neuvv::tools

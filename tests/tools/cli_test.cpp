@@ -265,6 +265,11 @@ TEST_F(Cli, OnlyPartsOfTheTrainingCanBeLeftOut) {
                        {"--leave-out", names, "divide, merge, revive, bound, rays"});
 }
 
+TEST_F(Cli, ListsMayHaveSpaces) {
+    expect_refused({"train", file("data"), "-o", file("x.nvv"), "--refine", "colour, x"}, 2, {"--refine: x: is"});
+    expect_refused({"train", file("data"), "-o", file("x.nvv"), "--leave-out", "merge, x"}, 2, {"no part \"x\""});
+}
+
 TEST_F(Cli, TrainShowsItselfInNoImageOfItsData) {
     std::filesystem::create_directories(file("data/images"));
     const std::string image = file("data/images/c00.png");

@@ -57,7 +57,7 @@ void run_capture(Options& options, const CommonOptions& common) {
             return done == total || !stop_requested();
         });
     progress.finish();
-    tell_notes(options.model, result.notes);
+    say_notes(options.model, result.notes);
     if (!result.complete) throw RuntimeFailure("stopped before the end; nothing was written");
     unfinished.finish();
     if (!result.no_skeleton.empty()) say("no {}: {}\n", training::kTrueSkeleton, result.no_skeleton);

@@ -224,7 +224,7 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     const voctree::ClipIndex clip = voctree::read_clip_index(options.scene, up_of(options.scene, options.up));
     training::Dataset dataset = training::load_dataset(options.dataset, kSplits.at(options.split),
                                                        {.format = options.format, .holdout = options.holdout});
-    print_remarks(dataset.remarks);
+    say_remarks(dataset.remarks);
     training::change_frame(dataset, voctree::read_world_frame(options.scene));
     if (clip.frames() != dataset.times.size())
         say("neuvv: {} has {} frames, {} has images of {} times: each is compared with the scene at its time\n",

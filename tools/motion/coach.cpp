@@ -148,7 +148,7 @@ uint32_t render_performance(const CoachScene& scene, const CoachOptions& options
         if (!options.camera.empty())
             camera = stage::camera_of(scene.stage, options.camera, evaluated, scene.size.width, scene.size.height);
         renderer.show(evaluated);
-        tell_not_shown(renderer.take_problems());
+        say_not_shown(renderer.take_problems());
         render::FrameSettings settings = renderer.settings_at(evaluated, {scene.trainer.performer, coach.highlight()});
         settings.far_levels = options.far_levels.value_or(true);
         media::Image image = renderer.frames().render(camera, settings);

@@ -154,7 +154,7 @@ StagePlan plan_stage(const RenderOptions& options) {
     plan.output.has_deep = plan.layers.deep;
     const media::ImageSize given_size = options.size.empty() ? media::ImageSize{} : parse_size(options.size);
     plan.stage = stage::load_stage(options.scene);
-    tell_notes(options.scene, plan.stage.scene.notes);
+    say_notes(options.scene, plan.stage.scene.notes);
     override_settings(options, plan.stage);
     if (plan.layers.needs_segments() && plan.stage.settings.blend != stage::StageBlend::kExact)
         throw InputError("--layers", options.layers, "need performers that are blended exactly", "add --blend exact");
@@ -221,7 +221,7 @@ FrameTimes render_image(render::StageRenderer& renderer, const RenderOptions& op
     const stage::EvaluatedStage evaluated = stage::stage_at(plan.stage, plan.time_s(i));
     const stage::Camera camera = camera_of(options, plan, evaluated);
     renderer.show(evaluated, options.background.empty());
-    tell_not_shown(renderer.take_problems());
+    say_not_shown(renderer.take_problems());
     render::FrameSettings settings = renderer.settings_at(evaluated);
     settings.scale = options.scale;
     settings.far_levels = options.far_levels.value_or(true);
@@ -271,7 +271,7 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
     };
     render::StageRenderer renderer(device, plan.stage, render::StageLoader(device).load(plan.stage, read), capacity);
     reading.finish();
-    tell_not_shown(renderer.take_problems());
+    say_not_shown(renderer.take_problems());
     return render_images(options, plan.size, plan.fps, part, sink, device,
                          [&](uint32_t i) { return render_image(renderer, options, plan, i, sink); });
 }

@@ -244,18 +244,14 @@ void add_cluster(Command app, CommonOptions& common) {
                       "Options for sbatch in one word, such as --sbatch=\"--gres=gpu:1 --time=4:00:00\"");
     sbatch.add_flag("--dry-run", options->dry_run, "Write the job script and do not submit it");
     sbatch.footer(
-        {"Plans the clip (`train --plan`) or checks the render (`render --plan`), writes OUTPUT/job.sh and submits it. "
-         "Each task trains segments until none "
-         "is\n"
-         "left. A task that is preempted, or whose time is nearly over, saves and is queued again; one that is killed "
-         "leaves "
-         "its\n"
-         "segment to the others. With --resume in COMMAND, a clip that was begun goes on.\n"
+        {"Plans the clip (`train --plan`) or checks the render (`render --plan`), writes OUTPUT/job.sh and\n"
+         "submits it. Each task trains segments until none is left. A task that is preempted, or whose time\n"
+         "is nearly over, saves and is queued again; one that is killed leaves its segment to the others.\n"
+         "With --resume in COMMAND, a clip that was begun goes on.\n"
          "Of a render, each task renders a part of the images, so there must be as many images as tasks at least. The\n"
          "task that ends last joins the parts of a video. The job's script and logs lie in OUTPUT.parts, of\n"
-         "out_%04d.png in out_render.parts. The same command again renders parts of a video that are missing; of "
-         "numbered images, it begins anew without "
-         "--resume.\n"
+         "out_%04d.png in out_render.parts. The same command again renders parts of a video that are missing; of\n"
+         "numbered images, it begins anew without --resume.\n"
          "Another scheduler needs a script that runs `neuvv COMMAND --resume` in as many tasks as wanted, of a render\n"
          "with another --part K/N in each.\n\n",
          kExamples});

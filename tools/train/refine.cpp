@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "base/seconds.h"
+#include "base/text.h"
 #include "tools/image_drawing.h"
 #include "tools/report.h"
 #include "tools/say.h"
@@ -117,9 +118,8 @@ Refine refine_of(const std::string& text) {
                                                    {"poses", &refine.what.poses},
                                                    {"time", &refine.what.time},
                                                    {"auto", &refine.automatic}};
-    for (size_t begin = 0, end; !text.empty() && begin <= text.size(); begin = end + 1) {
-        end = std::min(text.find(',', begin), text.size());
-        const std::string name = text.substr(begin, end - begin);
+    if (text.empty()) return refine;
+    for (const std::string& name : split(text, ',')) {
         const auto found = std::ranges::find(known, name, [](const auto& one) { return one.first; });
         if (found == std::end(known))
             throw InputError(

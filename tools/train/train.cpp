@@ -245,7 +245,7 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     catch_batch_signals();
     const training::Rig rig =
         training::read_rig(options.dataset, training::Split::kTrain, options.format, options.holdout);
-    if (ranks.is_first()) print_remarks(rig.remarks);
+    if (ranks.is_first()) say_remarks(rig.remarks);
     const std::optional<media::Sound> audio = ranks.is_first() ? read_audio(options) : std::nullopt;
     const auto write_audio = [&] {
         if (audio) media::write_sound(voctree::sound_file(options.output), *audio);

@@ -187,8 +187,8 @@ void write_empty(const TrainOptions& options, const training::Dataset& dataset) 
 
 training::OptionalParts optional_parts_of(const std::string& names) {
     training::OptionalParts parts = 0;
+    if (names.empty()) return parts;
     for (const std::string& name : split(names, ',')) {
-        if (names.empty()) break;
         const auto found = std::find(training::kOptionalParts.begin(), training::kOptionalParts.end(), name);
         if (found == training::kOptionalParts.end())
             throw InputError("--leave-out", names, fmt::format("there is no part \"{}\"", name),
