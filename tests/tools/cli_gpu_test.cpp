@@ -426,13 +426,10 @@ std::map<std::string, std::string> contents_of(const std::string& folder) {
 }
 
 TEST_F(CliGpu, ACaptureReplacesAnotherOnceItIsWhole) {
+    const std::string model = NEUVV_SOURCE_DIR "/tools/performer/performer.glb", data = file("data");
     const auto capture = [&](const char* cameras, const char* frames) {
-        return std::vector<std::string>{"capture",    NEUVV_SOURCE_DIR "/tools/performer/performer.glb",
-                                        "-o",         file("data"),
-                                        "--cameras",  cameras,
-                                        "--frames",   frames,
-                                        "--size",     "32x32",
-                                        "--overwrite"};
+        return std::vector<std::string>{"capture",  model,  "-o",     data,    "--cameras",  cameras,
+                                        "--frames", frames, "--size", "32x32", "--overwrite"};
     };
     ASSERT_EQ(run_neuvv(capture("6", "2")).code, 0);
     const auto old = contents_of(file("data"));
