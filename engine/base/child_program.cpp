@@ -47,6 +47,15 @@ void remember_children() {
     if (now.sa_handler == SIG_IGN) signal(SIGCHLD, SIG_DFL);
 }
 
+// A program in the background of a script ignores SIGINT, and so would its children, which could not be asked to stop.
+void default_signals(posix_spawnattr_t& attributes) {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    posix_spawnattr_setsigdefault(&attributes, &signals);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+}
+
 }  // namespace
 
 ChildProgram::ChildProgram(std::vector<std::string> arguments, const std::vector<std::string>& environment) {
@@ -59,8 +68,12 @@ ChildProgram::ChildProgram(std::vector<std::string> arguments, const std::vector
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-    const int failed = posix_spawnp(&process_, arguments[0].c_str(), &actions, nullptr, pointers(arguments).data(),
-                                    pointers(variables).data());
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    default_signals(attributes);
+    const int failed = posix_spawnp(&process_, arguments[0].c_str(), &actions, &attributes,
+                                    pointers(arguments).data(), pointers(variables).data());
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
     if (failed) {

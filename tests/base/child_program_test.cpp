@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <fstream>
+
+#include "support/temporary_folder.h"
 
 namespace neuvv {
 namespace {
@@ -24,13 +27,28 @@ TEST(ChildProgram, WhatNobodyReadsKeepsItFromNothing) {
     }
 }
 
+TEST(ChildProgram, StopsAlsoWhereThisOneRunsInTheBackground) {
+    const auto before = signal(SIGINT, SIG_IGN);
+    ChildProgram program({"sh", "-c", "trap 'exit 5' INT; echo ready; while :; do sleep 0.01; done"});
+    while (program.next_line(50) != "ready") {
+    }
+    program.stop();
+    EXPECT_EQ(program.wait(), 5);
+    signal(SIGINT, before);
+}
+
 TEST(ChildProgram, EndsAlsoWhereThisOneWasStartedWithoutSignalsOfChildren) {
     signal(SIGCHLD, SIG_IGN);
     EXPECT_EQ(run_program({"sh", "-c", "echo one; exit 3"}).code, 3);
-    ChildProgram program({"true"});
+
+    // The system forgets how a child ended only if the signal is ignored when it ends: this one waits for a file.
+    const TemporaryFolder folder;
+    const std::string go = folder.path / "go";
+    ChildProgram program({"sh", "-c", "while ! [ -e '" + go + "' ]; do sleep 0.01; done"});
     signal(SIGCHLD, SIG_IGN);
+    std::ofstream(go).close();
+    while (!program.has_ended()) program.next_line(10);
     EXPECT_EQ(program.wait(), 128) << "nobody knows";
-    EXPECT_TRUE(program.has_ended());
     signal(SIGCHLD, SIG_DFL);
 }
 
