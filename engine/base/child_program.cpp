@@ -71,8 +71,8 @@ ChildProgram::ChildProgram(std::vector<std::string> arguments, const std::vector
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     default_signals(attributes);
-    const int failed = posix_spawnp(&process_, arguments[0].c_str(), &actions, &attributes,
-                                    pointers(arguments).data(), pointers(variables).data());
+    const int failed = posix_spawnp(&process_, arguments[0].c_str(), &actions, &attributes, pointers(arguments).data(),
+                                    pointers(variables).data());
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
