@@ -29,17 +29,28 @@ void wait_for_ever() {
     char byte = 0;
     if (pipe(ends) == 0 && read(ends[0], &byte, 1) == 1) _exit(8);
 }
-void work_on_for_two_seconds() {
+// The alarm comes here and now: a busy machine may be late with the work, or with the alarm.
+void work_on_after_the_alarm() {
     if (!stop_requested()) _exit(8);
-    for (unsigned left_s = 2; left_s > 0;) left_s = sleep(left_s);
+    if (alarm(0) == 0) _exit(9);
+    raise(SIGALRM);
+}
+// `timeout` sends several signals: to the program and to its group.
+void be_asked_again_at_once() {
+    for (int i = 0; i < 2; ++i) raise(SIGTERM);
 }
 void end_at_once() {}
 
 TEST(Stop, WhatNobodyAsksForEndsWhatBlocks) {
     const int blocked = status_of(1, wait_for_ever);
     EXPECT_TRUE(WIFSIGNALED(blocked) && WTERMSIG(blocked) == SIGTERM) << blocked;
-    EXPECT_EQ(WEXITSTATUS(status_of(1, work_on_for_two_seconds)), 7) << "it knows of the request";
+    constexpr unsigned kLong_s = 1000;
+    EXPECT_EQ(WEXITSTATUS(status_of(kLong_s, work_on_after_the_alarm)), 7) << "it knows of the request";
     EXPECT_EQ(WEXITSTATUS(status_of(kEndless, end_at_once)), 7);
+}
+
+TEST(Stop, SignalsThatComeTogetherAreOneRequest) {
+    EXPECT_EQ(WEXITSTATUS(status_of(kEndless, be_asked_again_at_once)), 7);
 }
 
 }  // namespace
