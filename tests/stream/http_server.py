@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """A server that misbehaves, for tests: /MODE/NAME answers with ranges of FOLDER/NAME, in a way of MODE.
 
-    http_server.py FOLDER       prints its port, then the mode and the end of each range that it has sent, until it is
-                                killed
+    http_server.py FOLDER       prints its port, then the mode and the end of each range: before it is sent, and when it
+                                was sent; until it is killed
 """
 
 import http.server
@@ -53,6 +53,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             part = bytes([part[0] ^ 1]) + part[1:]
         if mode == "damaged":
             part = part[:-9] + b"x" + part[-8:]
+        print(f"{mode} sends to {last}", flush=True)
         self.send_response(200 if mode == "whole" else 206)
         self.send_header("Content-Range", f"bytes {first}-{last}/{len(data)}")
         self.send_header("Content-Length", str(len(part)))

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kNginx = "/usr/sbin/nginx";
 
-// A port of this machine that nobody listens to.
+// A port of this machine to which nobody listens at this moment.
 int free_port() {
     const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
     sockaddr_in address{};
@@ -33,8 +33,6 @@ struct NginxTest : testing::Test, ServedStream {
     void SetUp() override {
         if (!std::filesystem::exists(kNginx)) GTEST_SKIP() << "needs nginx (Debian's nginx-light)";
         write(3);
-        port = free_port();
-        secure_port = free_port();
         const std::string certificate = (folder.path / "cert.pem").string(), key = (folder.path / "key.pem").string();
         ASSERT_EQ(std::system(fmt::format("openssl req -x509 -newkey rsa:2048 -nodes -subj /CN=localhost -keyout {} "
                                           "-out {} 2>/dev/null",
@@ -42,6 +40,14 @@ struct NginxTest : testing::Test, ServedStream {
                                   .c_str()),
                   0)
             << "is openssl there?";
+        // Another program may take a port before nginx does: then nginx ends.
+        for (int tries = 0; tries < 20 && !starts(certificate, key); ++tries) {
+        }
+        ASSERT_TRUE(std::filesystem::exists(folder.path / "pid")) << read_text(log);
+    }
+    bool starts(const std::string& certificate, const std::string& key) {
+        port = free_port();
+        secure_port = free_port();
         std::ofstream(folder.path / "nginx.conf") << fmt::format(
             R"(daemon off; master_process off; pid {0}/pid; error_log {0}/error.log;
 events {{}}
@@ -63,7 +69,7 @@ http {{
         server = std::make_unique<ChildProcess>(
             std::vector<std::string>{kNginx, "-p", folder.path.string(), "-c", (folder.path / "nginx.conf").string()},
             log);
-        ASSERT_TRUE(server->until([&] { return std::filesystem::exists(folder.path / "pid"); })) << read_text(log);
+        return server->until([&] { return std::filesystem::exists(folder.path / "pid"); });
     }
     // "" is as nginx does it by default.
     void expect_plays(const std::string& place) const {
