@@ -50,5 +50,26 @@ TEST(Autosave, TriesAgainAfterAFailure) {
     jobs.stop();
 }
 
+TEST(Autosave, AnEditIsStoredBeforeItIsFiveSecondsOld) {
+    const TemporaryFolder folder;
+    const StateFolder state(folder.path / "state");
+    editor::Editor editor;
+    editor.open({edit::new_stage(folder.path / "a.gltf"), {}, {}}, false);
+    JobQueue jobs([](const std::string& problem) { ADD_FAILURE() << problem; }, [] {});
+    editor::Autosave autosave(editor, jobs);
+    autosave.opened();
+    for (const char* name : {"anna", "ben"}) {  // once just after the last time that something was stored
+        ASSERT_TRUE(editor.edit([&](edit::Document& document) { return edit::rename_node(document.file, 0, name); }));
+        for (const double age_s : {0.1, 4.9}) {
+            autosave.tick(100 + (*name == 'b' ? 5 : 0) + age_s);
+            while (!jobs.idle() || jobs.has_posted()) jobs.run_posted();
+        }
+        const std::vector<edit::RecoveryEntry> entries = edit::list_recovery(edit::recovery_folder());
+        ASSERT_EQ(entries.size(), 1u);
+        EXPECT_EQ(edit::find_node(edit::restore(entries[0]).file, name), 0u);
+    }
+    jobs.stop();
+}
+
 }  // namespace
 }  // namespace neuvv
