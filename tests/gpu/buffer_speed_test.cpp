@@ -7,6 +7,7 @@
 #include <fstream>
 #include <random>
 
+#include "base/seconds.h"
 #include "support/gpu_test.h"
 #include "support/temporary_folder.h"
 
@@ -16,10 +17,11 @@ namespace {
 using BufferSpeed = GpuTest;
 
 TEST_F(BufferSpeed, IsMeasuredForBothProfiles) {
+    const double begin_s = seconds_now();
     const gpu::ProfileTimes times = gpu::measure_profiles(device());
     EXPECT_GT(times.texel_ms, 0);
     EXPECT_GT(times.storage_ms, 0);
-    EXPECT_LT(times.texel_ms + times.storage_ms, 1000) << "the best of some turns of a few milliseconds";
+    EXPECT_LT(times.texel_ms + times.storage_ms, 1e3 * (seconds_now() - begin_s)) << "each is one of several turns";
 }
 
 TEST(ProfileTimes, ChooseStorageOnlyWhereItIsClearlyFaster) {

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "base/error.h"
+#include "base/seconds.h"
 #include "gpu/commands.h"
 #include "gpu/host_copies.h"
 #include "shared/inspect.h"
@@ -296,6 +297,7 @@ TEST_F(BindingTest, PassTimesAreThoseOfTheScopes) {
     gpu::Commands commands(device(), "timed");
     EXPECT_TRUE(commands.pass_times().empty());
     const gpu::Buffer buffer(device(), "filled", 1 << 20, gpu::MemoryKind::kReadback);
+    const double begin_s = seconds_now();
     commands.begin();
     for (const char* name : {"first", "second"}) {
         const gpu::PassScope scope(commands, name);
@@ -309,7 +311,7 @@ TEST_F(BindingTest, PassTimesAreThoseOfTheScopes) {
     ASSERT_EQ(times.size(), 2u);
     EXPECT_EQ(times[1].name, "second");
     EXPECT_GE(times[0].milliseconds, 0);
-    EXPECT_LT(times[0].milliseconds, 1e4);
+    EXPECT_LT(times[0].milliseconds, 1e3 * (seconds_now() - begin_s));
     EXPECT_EQ(buffer.as<uint32_t>()[(1 << 18) - 1], 0x12345678u);
 }
 

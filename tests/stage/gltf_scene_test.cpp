@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstring>
+#include <ctime>
 #include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
@@ -778,9 +778,9 @@ TEST(GltfHostile, ManyMeshesAreChecked) {
     const json mesh = glb.root["meshes"][0];
     for (int i = 1; i < 4000; ++i) glb.root["meshes"].push_back(mesh);
     glb.root["meshes"][3999]["primitives"][0]["indices"] = 9999;
-    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t begin = std::clock();  // of this process: a busy machine changes it little
     expect_error(glb, "/meshes/3999/primitives/0/indices", "accessor 9999 does not exist");
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
+    EXPECT_LT(std::clock() - begin, 3 * CLOCKS_PER_SEC);
 }
 
 TEST(GltfHostile, RequiredExtensionsAndDepth) {
