@@ -71,7 +71,7 @@ struct CoachingTest : HandsAtAStage {
         wait_for_begin();
     }
     void wait_for_begin() {
-        for (int i = 0; i < 5000 && !coaching.is_running(); ++i) {
+        for (int i = 0; i < 60'000 && !coaching.is_running(); ++i) {
             jobs.run_posted();
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }

@@ -52,7 +52,7 @@ struct RunningVerb : testing::Test {
         std::filesystem::permissions(program, std::filesystem::perms::owner_all);
     }
     static void until(VerbTask& task, const std::function<bool()>& condition) {
-        for (int i = 0; i < 2000 && !condition(); ++i) {
+        for (int i = 0; i < 12'000 && !condition(); ++i) {
             task.tick();
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
         }
