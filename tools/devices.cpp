@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "gpu/buffer_speed.h"
 #include "gpu/device.h"
 #include "tools/commands.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "editor/open_file.h"
 #include "stream/nvs_reader.h"
 #include "tools/commands.h"

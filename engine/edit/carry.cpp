@@ -5,7 +5,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 
 namespace neuvv::edit {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 
 namespace neuvv::edit {
 

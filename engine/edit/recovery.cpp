@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "base/platform.h"
 #include "stage/json_splice.h"
 #include "stage/stage.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "base/job_queue.h"
+#include "base/threads/job_queue.h"
 #include "edit/recovery.h"
 #include "editor/editor.h"
 

@@ -5,7 +5,7 @@
 #include <deque>
 #include <functional>
 
-#include "base/job_queue.h"
+#include "base/threads/job_queue.h"
 #include "editor/editor.h"
 #include "editor/paint_carrier.h"
 #include "editor/paint_operation.h"

@@ -1,7 +1,7 @@
 // The three parts of an open document that work needs when it leaves the editor's thread and comes back to it.
 #pragma once
 
-#include "base/job_queue.h"
+#include "base/threads/job_queue.h"
 #include "editor/editor.h"
 #include "editor/render_thread.h"
 

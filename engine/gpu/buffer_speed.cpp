@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "base/platform.h"
 #include "gpu/commands.h"
 #include "gpu/host_copies.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "voctree/sh_weights.h"
 #include "voctree/sigmoid.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "voctree/sigmoid.h"
 
 namespace neuvv::interchange {

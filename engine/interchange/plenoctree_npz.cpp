@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/npz_writer.h"
-#include "base/parallel.h"
+#include "base/formats/npz_writer.h"
+#include "base/threads/parallel.h"
 #include "media/image.h"
 #include "voctree/half.h"
 #include "voctree/sh_weights.h"

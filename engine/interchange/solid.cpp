@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 
 namespace neuvv::interchange {
 

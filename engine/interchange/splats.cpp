@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "media/image.h"
 #include "voctree/sh_weights.h"
 #include "voctree/sigmoid.h"

@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/platform.h"
+#include "base/threads/parallel.h"
 #include "interchange/still_tree.h"
 #include "interchange/vdb_choice.h"
 #include "voctree/coarse.h"

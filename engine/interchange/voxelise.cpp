@@ -10,8 +10,8 @@
 #include <span>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/platform.h"
+#include "base/threads/parallel.h"
 #include "interchange/still_tree.h"
 #include "media/image.h"
 #include "voctree/sh_weights.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "base/numbered_path.h"
 #include "base/output_path.h"
 #include "base/platform.h"

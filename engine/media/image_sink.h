@@ -12,7 +12,7 @@
 #include <set>
 #include <string>
 
-#include "base/workers.h"
+#include "base/threads/workers.h"
 #include "media/deep_exr.h"
 #include "media/exr.h"
 #include "media/image.h"

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "base/output_path.h"
 #include "base/text.h"
 #include "motion/median.h"

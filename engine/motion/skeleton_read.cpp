@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "base/platform.h"
 #include "base/text.h"
 #include "motion/model_motion.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "stage/stage_settings.h"
 
 namespace neuvv::stage {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "stage/camera_path_json.h"
 
 namespace neuvv::stage {

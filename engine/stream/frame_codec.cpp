@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "stream/bytes.h"
 #include "stream/repeats.h"
 #include "stream/shape.h"

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "stream/bytes.h"
 #include "stream/shape.h"
 

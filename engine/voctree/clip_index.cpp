@@ -9,7 +9,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "base/output_path.h"
 #include "voctree/clip.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "voctree/round.h"
 #include "voctree/temporal_basis.h"
 

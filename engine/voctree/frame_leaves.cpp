@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "voctree/sh_weights.h"
 #include "voctree/sigmoid.h"
 

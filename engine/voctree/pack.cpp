@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "voctree/half.h"
 
 namespace neuvv::voctree {

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "voctree/decode_colours.h"
 #include "voctree/half.h"
 #include "voctree/plenoctree_file.h"

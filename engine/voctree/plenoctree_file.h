@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "base/npy.h"
-#include "base/npz.h"
+#include "base/formats/npy.h"
+#include "base/formats/npz.h"
 
 namespace neuvv::voctree {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "voctree/temporal_basis.h"
 
 namespace neuvv::voctree {

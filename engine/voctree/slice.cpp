@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "media/image.h"
 #include "voctree/frame_leaves.h"
 #include "voctree/sh_weights.h"

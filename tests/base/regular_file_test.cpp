@@ -3,7 +3,7 @@
 #include <sys/stat.h>
 
 #include "base/error.h"
-#include "base/npz.h"
+#include "base/formats/npz.h"
 #include "base/platform.h"
 #include "support/temporary_folder.h"
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "base/npy.h"
-#include "base/npz.h"
+#include "base/formats/npy.h"
+#include "base/formats/npz.h"
 #include "media/image.h"
 #include "support/n3_tree.h"
 #include "support/random_tree.h"

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "stream/nvs_reader.h"
 #include "stream/nvs_writer.h"
 #include "stream/random_slice.h"

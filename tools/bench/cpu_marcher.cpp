@@ -6,7 +6,7 @@
 #include <cmath>
 #include <mutex>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "gpu/host_copies.h"
 #include "shared/trace.h"
 #include "voctree/half.h"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "base/text.h"
 #include "edit/operations.h"
 #include "editor/editor.h"

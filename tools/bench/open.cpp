@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/output_path.h"
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"
 #include "tools/results.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "base/numbered_path.h"
 #include "base/platform.h"
 #include "tools/commands.h"

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "tools/commands.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "editor/open_file.h"
 #include "tools/export/export_run.h"
 #include "tools/export/stage_kinds.h"

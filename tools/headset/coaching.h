@@ -4,7 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "base/job_queue.h"
+#include "base/threads/job_queue.h"
 #include "coach/session.h"
 #include "tools/headset/headset_state.h"
 #include "xr/eye_shapes.h"

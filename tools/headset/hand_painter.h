@@ -14,7 +14,7 @@
 #include <memory>
 #include <optional>
 
-#include "base/job_queue.h"
+#include "base/threads/job_queue.h"
 #include "editor/paint_session.h"
 #include "editor/paint_spread.h"
 #include "tools/headset/hand.h"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "base/job_queue.h"
+#include "base/threads/job_queue.h"
 #include "tools/headset/headset_state.h"
 
 namespace neuvv::headset {

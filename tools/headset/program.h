@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "base/job_queue.h"
 #include "base/platform.h"
+#include "base/threads/job_queue.h"
 #include "editor/document_saver.h"
 #include "editor/sound_player.h"
 #include "tools/headset/coaching.h"

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/file_lock.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "editor/paint_carrier.h"

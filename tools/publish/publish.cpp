@@ -12,7 +12,7 @@
 #include <span>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "stream/nvs_writer.h"

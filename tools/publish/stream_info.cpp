@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "stream/nvs_reader.h"
 #include "tools/report.h"
 #include "tools/say.h"

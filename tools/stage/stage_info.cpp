@@ -7,7 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "edit/operations.h"
 #include "gpu/device.h"
 #include "render/clips/clip_files.h"

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "base/job_queue.h"
+#include "base/threads/job_queue.h"
 #include "editor/editor.h"
 #include "editor/parts.h"
 #include "editor/render_thread.h"

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/platform.h"
-#include "base/workers.h"
+#include "base/threads/workers.h"
 #include "motion/model_motion.h"
 #include "motion/skeleton_file.h"
 #include "render/set/raster.h"

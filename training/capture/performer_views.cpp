@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/output_path.h"
-#include "base/workers.h"
+#include "base/threads/workers.h"
 #include "media/image.h"
 #include "render/frame/frame.h"
 #include "render/volume/field.h"

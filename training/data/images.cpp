@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/platform.h"
+#include "base/threads/parallel.h"
 #include "training/data/image_reader.h"
 #include "training/data/segments.h"
 #include "training/data/undistort.h"

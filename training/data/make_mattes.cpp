@@ -8,7 +8,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "training/data/contact_sheet.h"
 #include "training/data/image_reader.h"
 #include "training/data/layouts/formats.h"

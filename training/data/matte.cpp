@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 
 namespace neuvv::training {
 

@@ -8,7 +8,7 @@
 #include <glm/glm.hpp>
 #include <numbers>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 
 namespace neuvv::training {
 namespace {

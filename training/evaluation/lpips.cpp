@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/npz.h"
-#include "base/parallel.h"
+#include "base/formats/npz.h"
+#include "base/threads/parallel.h"
 
 namespace neuvv::training {
 

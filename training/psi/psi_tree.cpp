@@ -5,8 +5,8 @@
 #include <random>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/seconds.h"
+#include "base/threads/parallel.h"
 #include "training/step/batch.h"
 #include "training/tree/hull_box.h"
 

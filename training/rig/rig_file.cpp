@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "base/output_path.h"
 #include "training/data/segments.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "training/run/schedule.h"
 #include "training/tree/bases.h"
 #include "training/tree/grow.h"

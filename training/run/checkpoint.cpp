@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "base/trace_file.h"
 #include "gpu/host_copies.h"
 #include "training/run/schedule.h"

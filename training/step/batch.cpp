@@ -4,7 +4,7 @@
 #include <glm/gtc/packing.hpp>
 #include <numeric>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "base/trace_file.h"
 
 namespace neuvv::training {

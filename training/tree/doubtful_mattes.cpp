@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "training/tree/hull_box.h"
 #include "training/tree/silhouettes.h"
 

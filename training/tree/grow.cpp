@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "base/trace_file.h"
 #include "shared/trace.h"
 #include "training/tree/bases.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "base/trace_file.h"
 #include "training/tree/silhouettes.h"
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "base/trace_file.h"
 #include "training/tree/silhouettes.h"
 

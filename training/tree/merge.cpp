@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "training/tree/bases.h"
 
 namespace neuvv::training {

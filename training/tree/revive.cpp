@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "training/tree/bases.h"
 
 namespace neuvv::training {

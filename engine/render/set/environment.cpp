@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "voctree/half.h"
 
 namespace neuvv::render {

@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "base/error.h"
-#include "base/parallel.h"
+#include "base/threads/parallel.h"
 #include "base/trace_file.h"
 #include "gpu/host_copies.h"
 #include "render/volume/walk_tree.h"

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <map>
 
-#include "base/npz.h"
+#include "base/formats/npz.h"
 #include "support/input_error.h"
 #include "support/npz_files.h"
 #include "support/random_tree.h"

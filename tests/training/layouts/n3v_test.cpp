@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "base/npy.h"
+#include "base/formats/npy.h"
 #include "media/video.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"

@@ -1,9 +1,9 @@
-// Poses of cameras in JSON that other programs wrote (base/json.h).
+// Poses of cameras in JSON that other programs wrote (base/formats/json.h).
 #pragma once
 
 #include <glm/glm.hpp>
 
-#include "base/json.h"
+#include "base/formats/json.h"
 
 namespace neuvv::training {
 

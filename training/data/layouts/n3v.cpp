@@ -7,7 +7,7 @@
 #include <map>
 
 #include "base/error.h"
-#include "base/npy.h"
+#include "base/formats/npy.h"
 #include "media/image.h"
 #include "training/data/layouts/calibration.h"
 #include "training/data/layouts/camera_folders.h"

@@ -12,7 +12,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "media/image.h"
 #include "training/data/image_reader.h"
 #include "training/data/layouts/calibration.h"

@@ -1,4 +1,4 @@
-#include "base/npz.h"
+#include "base/formats/npz.h"
 
 #include <fmt/format.h>
 #include <libdeflate.h>
@@ -7,7 +7,7 @@
 #include <new>
 
 #include "base/error.h"
-#include "base/npy.h"
+#include "base/formats/npy.h"
 #include "base/platform.h"
 
 namespace neuvv {

@@ -1,4 +1,4 @@
-#include "base/workers.h"
+#include "base/threads/workers.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "base/npz_writer.h"
+#include "base/formats/npz_writer.h"
 
 #include <fmt/format.h>
 #include <zip.h>

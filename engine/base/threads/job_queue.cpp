@@ -1,4 +1,4 @@
-#include "base/job_queue.h"
+#include "base/threads/job_queue.h"
 #include "base/trace_file.h"
 
 #include <exception>
