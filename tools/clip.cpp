@@ -15,12 +15,12 @@
 #include "tools/say.h"
 #include "tools/unfinished_clip.h"
 #include "training/run/claim.h"
-#include "voctree/clip.h"
-#include "voctree/clip_sound.h"
 #include "voctree/coarse.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/clip_sound.h"
+#include "voctree/files/nvv.h"
+#include "voctree/files/world_frame.h"
 #include "voctree/frames.h"
-#include "voctree/nvv.h"
-#include "voctree/world_frame.h"
 
 namespace neuvv::tools {
 

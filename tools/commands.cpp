@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "training/data/layouts/formats.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::tools {
 

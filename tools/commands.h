@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tools/command_line.h"
-#include "voctree/plenoctree.h"
+#include "voctree/files/plenoctree.h"
 
 namespace neuvv::tools {
 

@@ -19,12 +19,12 @@
 #include "tools/say.h"
 #include "tools/unfinished_clip.h"
 #include "training/rig/rig_file.h"
-#include "voctree/clip.h"
 #include "voctree/coarse.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/nvv.h"
+#include "voctree/files/world_frame.h"
 #include "voctree/frames.h"
-#include "voctree/nvv.h"
 #include "voctree/round.h"
-#include "voctree/world_frame.h"
 
 namespace neuvv::tools {
 

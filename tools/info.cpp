@@ -16,10 +16,10 @@
 #include "tools/stage/stage_verbs.h"
 #include "training/run/checkpoint.h"
 #include "training/run/claim.h"
-#include "voctree/clip.h"
-#include "voctree/clip_index.h"
-#include "voctree/half.h"
-#include "voctree/nvv.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/clip_index.h"
+#include "voctree/files/half.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::tools {
 

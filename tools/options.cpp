@@ -13,7 +13,7 @@
 #include "base/platform.h"
 #include "base/text.h"
 #include "media/image.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::tools {
 

@@ -11,7 +11,7 @@
 
 #include "base/platform.h"
 #include "tools/say.h"
-#include "voctree/world_frame.h"
+#include "voctree/files/world_frame.h"
 
 namespace neuvv::tools {
 

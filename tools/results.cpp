@@ -14,7 +14,7 @@
 #include "editor/open_file.h"
 #include "stage/stage_file.h"
 #include "stream/byte_source.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::tools {
 

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "tools/results.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::tools {
 

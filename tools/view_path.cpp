@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "training/evaluation/evaluate.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv::tools {
 

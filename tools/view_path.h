@@ -8,8 +8,8 @@
 #include "stage/camera_path.h"
 #include "stage/stage.h"
 #include "tools/options.h"
+#include "voctree/files/world_frame.h"
 #include "voctree/voctree.h"
-#include "voctree/world_frame.h"
 
 namespace neuvv::tools {
 

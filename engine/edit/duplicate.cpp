@@ -11,7 +11,7 @@
 #include "edit/document.h"
 #include "edit/operations.h"
 #include "edit/time_edit.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::edit {
 

@@ -9,7 +9,7 @@
 #include "base/platform.h"
 #include "edit/paint_layers.h"
 #include "stage/stage.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv::edit {
 

@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "edit/document.h"
-#include "voctree/clip.h"
-#include "voctree/clip_sound.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/clip_sound.h"
 
 namespace neuvv::edit {
 

@@ -13,7 +13,7 @@
 #include "base/platform.h"
 #include "stage/json_splice.h"
 #include "stage/stage.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv::edit {
 

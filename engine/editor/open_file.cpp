@@ -7,9 +7,9 @@
 #include "edit/operations.h"
 #include "stage/stage.h"
 #include "stream/byte_source.h"
-#include "voctree/clip.h"
-#include "voctree/clip_index.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/clip_index.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv::editor {
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "editor/paint_surface.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::editor {
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "voctree/clip_index.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/clip_index.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv::editor {
 

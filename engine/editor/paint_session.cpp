@@ -5,8 +5,8 @@
 #include <tuple>
 
 #include "base/error.h"
-#include "voctree/clip.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv::editor {
 

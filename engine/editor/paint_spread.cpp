@@ -6,7 +6,7 @@
 
 #include "edit/paint_layers.h"
 #include "edit/read.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::editor {
 

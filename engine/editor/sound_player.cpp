@@ -20,7 +20,7 @@
 #include "base/trace_file.h"
 #include "stage/heard.h"
 #include "stage/pan.h"
-#include "voctree/clip_sound.h"
+#include "voctree/files/clip_sound.h"
 
 namespace neuvv::editor {
 

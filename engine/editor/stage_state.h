@@ -10,7 +10,7 @@
 #include "editor/clock.h"
 #include "editor/editor.h"
 #include "stage/evaluated_stage.h"
-#include "voctree/solid_leaves.h"
+#include "voctree/files/solid_leaves.h"
 
 namespace neuvv::editor {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/trace_file.h"
-#include "voctree/clip_sound.h"
+#include "voctree/files/clip_sound.h"
 
 namespace neuvv::editor {
 

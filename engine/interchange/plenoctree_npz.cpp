@@ -10,7 +10,7 @@
 #include "base/formats/npz_writer.h"
 #include "base/threads/parallel.h"
 #include "media/image.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 #include "voctree/sh_weights.h"
 #include "voctree/sigmoid.h"
 

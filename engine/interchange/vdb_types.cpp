@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "interchange/vdb_reader.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::interchange {
 

@@ -13,7 +13,7 @@
 
 #include "base/error.h"
 #include "base/platform.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 #include "voctree/sh_weights.h"
 
 namespace neuvv::interchange {

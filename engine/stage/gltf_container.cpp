@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "voctree/chunk_file.h"
+#include "voctree/files/chunk_file.h"
 
 namespace neuvv::stage {
 

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "stage/pose.h"
 #include "stream/byte_source.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::stage {
 

@@ -14,7 +14,7 @@
 #include "stage/stage_file.h"
 #include "stage/stage_settings.h"
 #include "stage/time_map.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::stage {
 

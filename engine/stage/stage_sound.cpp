@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "stage/pan.h"
-#include "voctree/clip_sound.h"
+#include "voctree/files/clip_sound.h"
 
 namespace neuvv::stage {
 

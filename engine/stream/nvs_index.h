@@ -28,7 +28,7 @@ struct FrameEntry {
     uint64_t all_bytes() const;
 };
 
-// Where the clip is in the coordinates of its capture (voctree/world_frame.h): its point p is the capture's
+// Where the clip is in the coordinates of its capture (voctree/files/world_frame.h): its point p is the capture's
 // 10^step · origin + 10^unit · p.
 struct CaptureFrame {
     std::array<int32_t, 3> origin{};

@@ -6,7 +6,7 @@
 #include "edit/edited_stage.h"
 #include "support/temporary_folder.h"
 #include "tests/stage/stage_files.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 

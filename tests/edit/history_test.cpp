@@ -9,7 +9,7 @@
 #include "stage/stage.h"
 #include "support/input_error.h"
 #include "tests/edit/foreign_stage.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "edit/operations.h"
 #include "tests/stage/stage_files.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv {
 namespace {

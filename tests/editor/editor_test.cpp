@@ -7,7 +7,7 @@
 #include "edit/paint_layers.h"
 #include "editor/stage_state.h"
 #include "tests/stage/stage_files.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv {
 namespace {

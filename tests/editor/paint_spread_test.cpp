@@ -11,7 +11,7 @@
 #include "support/segmented_copy.h"
 #include "support/stage_on_disk.h"
 #include "support/temporary_folder.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::test {
 namespace {

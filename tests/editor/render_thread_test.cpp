@@ -12,7 +12,7 @@
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/temporary_folder.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 namespace {

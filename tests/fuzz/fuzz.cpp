@@ -24,8 +24,8 @@
 #include "motion/key_points.h"
 #include "motion/skeleton_file.h"
 #include "motion/vmc.h"
-#include "voctree/clip.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/nvpaint.h"
 
 // The sanitizer's runtime calls this before main. An allocation of more than a gibibyte is a failure.
 extern "C" const char* __asan_default_options();

@@ -11,7 +11,7 @@
 #include "fuzz/verdict.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "voctree/chunk_file.h"
+#include "voctree/files/chunk_file.h"
 
 namespace neuvv::fuzz {
 

@@ -8,7 +8,7 @@
 #include "support/look_at.h"
 #include "support/temporary_folder.h"
 #include "support/waver_tree.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 namespace {

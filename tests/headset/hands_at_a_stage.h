@@ -11,7 +11,7 @@
 #include "support/figure.h"
 #include "support/temporary_folder.h"
 #include "tools/headset/interaction.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 

@@ -13,8 +13,8 @@
 #include "support/n3_tree.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
-#include "voctree/half.h"
-#include "voctree/plenoctree.h"
+#include "voctree/files/half.h"
+#include "voctree/files/plenoctree.h"
 #include "voctree/sh_weights.h"
 
 namespace neuvv {

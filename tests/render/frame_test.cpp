@@ -14,7 +14,7 @@
 #include "support/look_at.h"
 #include "support/random_tree.h"
 #include "support/traced.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test::frame_test {
 namespace {

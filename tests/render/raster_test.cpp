@@ -6,7 +6,7 @@
 
 #include "base/platform.h"
 #include "tests/stage/glb_builder.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv {
 namespace {

@@ -16,9 +16,9 @@
 #include "support/segmented_copy.h"
 #include "support/stage_on_disk.h"
 #include "support/temporary_folder.h"
-#include "voctree/clip.h"
 #include "voctree/coarse.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/nvpaint.h"
 #include "voctree/slice.h"
 
 namespace neuvv::test::stage_clips_test {

@@ -7,7 +7,7 @@
 #include "support/figure.h"
 #include "support/gpu_test.h"
 #include "support/temporary_folder.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 namespace {

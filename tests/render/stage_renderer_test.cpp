@@ -12,8 +12,8 @@
 #include "support/look_at.h"
 #include "support/random_tree.h"
 #include "support/set_scene.h"
-#include "voctree/nvpaint.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvpaint.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test::stage_renderer_test {
 namespace {

@@ -11,7 +11,7 @@
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/stage_on_disk.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::test::stage_stream_test {
 namespace {

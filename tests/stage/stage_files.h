@@ -8,7 +8,7 @@
 #include "stage/stage_file.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 

@@ -13,10 +13,10 @@
 #include "stream/random_slice.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/world_frame.h"
 #include "voctree/slice.h"
 #include "voctree/temporal_basis.h"
-#include "voctree/world_frame.h"
 
 namespace neuvv::test::nvs_test {
 namespace {

@@ -4,7 +4,7 @@
 #include "media/sound.h"
 #include "stream/served_stream.h"
 #include "support/wav_file.h"
-#include "voctree/clip_sound.h"
+#include "voctree/files/clip_sound.h"
 
 namespace neuvv::test::served_sound_test {
 namespace {

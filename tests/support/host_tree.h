@@ -8,7 +8,7 @@
 #include "gpu/host_copies.h"
 #include "reference/slice.h"
 #include "render/volume/slice_tree.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::test {
 

@@ -9,7 +9,7 @@
 
 #include "support/npz_files.h"
 #include "support/random_tree.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::test {
 

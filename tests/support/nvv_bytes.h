@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::test {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::test {

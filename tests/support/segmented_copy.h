@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
+#include "voctree/files/nvv.h"
 #include "voctree/frames.h"
-#include "voctree/nvv.h"
 
 namespace neuvv {
 

@@ -13,7 +13,7 @@
 #include "media/image.h"
 #include "render/set/set_raster.h"
 #include "tests/stage/glb_builder.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::test {
 

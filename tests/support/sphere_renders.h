@@ -4,7 +4,7 @@
 #include "render/frame/frame.h"
 #include "support/sphere_capture.h"
 #include "training/evaluation/metrics.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 

@@ -7,7 +7,7 @@
 #include "support/losable_device.h"
 #include "support/random_tree.h"
 #include "tests/tools/cli_gpu.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv {
 namespace {

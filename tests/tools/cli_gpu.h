@@ -11,8 +11,8 @@
 #include "tests/tools/run_neuvv.h"
 #include "tools/view_path.h"
 #include "training/evaluation/evaluate.h"
-#include "voctree/nvv.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/nvv.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv {
 

@@ -16,8 +16,8 @@
 #include "tests/tools/cli_gpu.h"
 #include "tests/tools/trace_spans.h"
 #include "training/evaluation/metrics.h"
-#include "voctree/clip.h"
-#include "voctree/nvv.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv {
 namespace {

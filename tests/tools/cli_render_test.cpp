@@ -12,8 +12,8 @@
 #include "support/waver_tree.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/data/camera_path_file.h"
-#include "voctree/nvpaint.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/nvpaint.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv {
 namespace {

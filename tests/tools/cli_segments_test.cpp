@@ -18,7 +18,7 @@
 #include "training/rig/rig_file.h"
 #include "training/run/checkpoint.h"
 #include "training/run/claim.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv {
 namespace {

@@ -11,7 +11,7 @@
 #include "stream/served_stream.h"
 #include "support/wav_file.h"
 #include "tests/tools/cli_gpu.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv {
 namespace {

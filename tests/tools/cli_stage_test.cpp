@@ -5,7 +5,7 @@
 #include "media/video.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv {
 namespace {

@@ -9,7 +9,7 @@
 #include "base/text.h"
 #include "support/random_tree.h"
 #include "tests/tools/run_neuvv.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv {
 namespace {

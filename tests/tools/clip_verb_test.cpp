@@ -8,8 +8,8 @@
 #include "support/temporary_folder.h"
 #include "tests/tools/run_neuvv.h"
 #include "training/run/claim.h"
-#include "voctree/clip.h"
-#include "voctree/world_frame.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/world_frame.h"
 
 namespace neuvv {
 namespace {

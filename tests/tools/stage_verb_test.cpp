@@ -12,8 +12,8 @@
 #include "tests/stage/stage_files.h"
 #include "tests/tools/run_neuvv.h"
 #include "tools/stage/stage_verbs.h"
-#include "voctree/nvpaint.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvpaint.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv {
 namespace {

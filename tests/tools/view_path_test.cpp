@@ -8,7 +8,7 @@
 
 #include "support/input_error.h"
 #include "support/random_tree.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv {
 namespace {

@@ -8,7 +8,7 @@
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
 #include "training/evaluation/evaluate.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 namespace {

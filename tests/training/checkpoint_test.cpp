@@ -18,8 +18,8 @@
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
 #include "training/run/train.h"
+#include "voctree/files/nvv.h"
 #include "voctree/frames.h"
-#include "voctree/nvv.h"
 
 namespace neuvv::test {
 namespace {

@@ -7,7 +7,7 @@
 #include "support/n3_tree.h"
 #include "support/temporary_folder.h"
 #include "training/data/layouts/transforms.h"
-#include "voctree/plenoctree.h"
+#include "voctree/files/plenoctree.h"
 
 namespace neuvv::test {
 namespace {

@@ -9,7 +9,7 @@
 #include "support/sphere_capture.h"
 #include "training/evaluation/evaluate.h"
 #include "training/run/train.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 namespace {

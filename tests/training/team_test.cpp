@@ -16,7 +16,7 @@
 #include "training/step/batch.h"
 #include "training/step/gradient_records.h"
 #include "training/tree/grow.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 namespace {

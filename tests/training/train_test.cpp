@@ -14,7 +14,7 @@
 #include "support/gpu_test.h"
 #include "support/sphere_renders.h"
 #include "training/run/checkpoint.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 namespace {

@@ -16,7 +16,7 @@
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
 #include "support/wav_file.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test::export_test {
 namespace {

@@ -1,7 +1,7 @@
 // Tests of editing: what a user does to the stage is displayed and saved.
 #include "support/segmented_copy.h"
 #include "viewer_window/viewer_window.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv::test {
 namespace {

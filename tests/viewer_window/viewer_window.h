@@ -10,7 +10,7 @@
 #include "support/waver_tree.h"
 #include "tests/tools/run_neuvv.h"
 #include "viewer_window/hands.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 

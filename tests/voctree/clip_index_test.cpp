@@ -1,5 +1,5 @@
 // Segmented clips: their index, what is read of it, and which frame lies where.
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include "support/input_error.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
-#include "voctree/clip.h"
-#include "voctree/nvv.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/nvv.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv::test {
 namespace {

@@ -10,7 +10,7 @@
 #include "support/nvv_bytes.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 #include "voctree/temporal_basis.h"
 
 namespace neuvv::test {

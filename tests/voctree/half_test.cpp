@@ -1,4 +1,4 @@
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include "support/nvv_bytes.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv {
 namespace {

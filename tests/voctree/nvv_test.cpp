@@ -1,4 +1,4 @@
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,8 +10,8 @@
 #include "support/input_error.h"
 #include "support/nvv_bytes.h"
 #include "support/random_tree.h"
-#include "voctree/chunk_file.h"
-#include "voctree/world_frame.h"
+#include "voctree/files/chunk_file.h"
+#include "voctree/files/world_frame.h"
 
 namespace neuvv {
 namespace {

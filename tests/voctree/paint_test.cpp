@@ -12,9 +12,9 @@
 #include "support/nvv_bytes.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
-#include "voctree/chunk_file.h"
-#include "voctree/nvpaint.h"
-#include "voctree/nvv.h"
+#include "voctree/files/chunk_file.h"
+#include "voctree/files/nvpaint.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 namespace {

@@ -9,8 +9,8 @@
 #include "support/input_error.h"
 #include "support/n3_tree.h"
 #include "support/temporary_folder.h"
-#include "voctree/clip.h"
-#include "voctree/plenoctree.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/plenoctree.h"
 
 namespace neuvv::test {
 namespace {

@@ -1,5 +1,5 @@
 // Tests PlenOctrees against svox' evaluation of the same arrays, and that invalid files are refused.
-#include "voctree/plenoctree.h"
+#include "voctree/files/plenoctree.h"
 
 #include <gtest/gtest.h>
 
@@ -16,9 +16,9 @@
 #include "support/npz_files.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
-#include "voctree/clip.h"
-#include "voctree/half.h"
-#include "voctree/nvv.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/half.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 namespace {

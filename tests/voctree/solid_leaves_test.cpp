@@ -1,10 +1,10 @@
 // The box of what is solid: the whole body at its time, and no floaters.
-#include "voctree/solid_leaves.h"
+#include "voctree/files/solid_leaves.h"
 
 #include <gtest/gtest.h>
 
 #include "support/figure.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv::test {
 namespace {

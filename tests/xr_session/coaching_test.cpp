@@ -3,7 +3,7 @@
 #include "golden/golden.h"
 #include "motion/skeleton_file.h"
 #include "support/trainer_figure.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 #include "xr/body_tracking_types.h"
 #include "xr_session/xr_session.h"
 

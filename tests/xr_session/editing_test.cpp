@@ -2,7 +2,7 @@
 #include "edit/recovery.h"
 #include "golden/golden.h"
 #include "support/figure.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 #include "xr_session/xr_session.h"
 
 namespace neuvv::test {

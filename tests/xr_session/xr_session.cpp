@@ -7,7 +7,7 @@
 #include "edit/operations.h"
 #include "support/child_process.h"
 #include "support/figure.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 

@@ -9,7 +9,7 @@
 #include "base/threads/parallel.h"
 #include "gpu/host_copies.h"
 #include "shared/trace.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::bench {
 

@@ -14,7 +14,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "training/evaluation/metrics.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 #include "shared/copy.h"
 #include "spirv/copy.comp.h"

@@ -17,10 +17,10 @@
 #include "tools/results.h"
 #include "tools/view_path.h"
 #include "training/evaluation/metrics.h"
-#include "voctree/clip.h"
 #include "voctree/coarse.h"
-#include "voctree/half.h"
-#include "voctree/nvv.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/half.h"
+#include "voctree/files/nvv.h"
 #include "voctree/temporal_basis.h"
 
 namespace neuvv::bench {

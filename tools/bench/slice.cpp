@@ -8,7 +8,7 @@
 #include "render/volume/slice_tree.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::bench {
 

@@ -17,7 +17,7 @@
 #include "training/run/schedule.h"
 #include "training/run/train.h"
 #include "training/step/batch.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::bench {
 

@@ -16,7 +16,7 @@
 #include "training/run/schedule.h"
 #include "training/run/train.h"
 #include "training/step/direct_step.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::bench {
 

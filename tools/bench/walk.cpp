@@ -11,7 +11,7 @@
 #include "tools/bench/measure.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::bench {
 

@@ -21,9 +21,9 @@
 #include "tools/say.h"
 #include "tools/unfinished_clip.h"
 #include "training/evaluation/metrics.h"
-#include "voctree/clip_index.h"
 #include "voctree/coarse.h"
-#include "voctree/nvv.h"
+#include "voctree/files/clip_index.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::tools {
 

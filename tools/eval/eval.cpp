@@ -26,8 +26,8 @@
 #include "training/evaluation/flicker.h"
 #include "training/evaluation/lpips.h"
 #include "training/rig/align_rig.h"
-#include "voctree/clip_index.h"
-#include "voctree/world_frame.h"
+#include "voctree/files/clip_index.h"
+#include "voctree/files/world_frame.h"
 
 namespace neuvv::tools {
 

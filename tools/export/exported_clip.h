@@ -7,8 +7,8 @@
 
 #include "interchange/frame_volume.h"
 #include "tools/publish/published_scene.h"
-#include "voctree/clip.h"
-#include "voctree/world_frame.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/world_frame.h"
 
 namespace neuvv::tools {
 

@@ -12,7 +12,7 @@
 
 #include "interchange/clip_mesh.h"
 #include "tools/commands.h"
-#include "voctree/plenoctree.h"
+#include "voctree/files/plenoctree.h"
 
 namespace neuvv::tools {
 

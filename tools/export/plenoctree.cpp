@@ -13,7 +13,7 @@
 #include "tools/export/frame_export.h"
 #include "tools/options.h"
 #include "training/evaluation/metrics.h"
-#include "voctree/plenoctree.h"
+#include "voctree/files/plenoctree.h"
 
 namespace neuvv::tools {
 

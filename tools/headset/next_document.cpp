@@ -5,8 +5,8 @@
 
 #include "base/error.h"
 #include "editor/open_file.h"
-#include "voctree/clip.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::headset {
 

@@ -8,7 +8,7 @@
 
 #include "edit/operations.h"
 #include "tools/headset/arrange.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::headset {
 

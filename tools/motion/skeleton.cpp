@@ -23,8 +23,8 @@
 #include "tools/unfinished_folder.h"
 #include "tools/view_path.h"
 #include "training/capture/performer_views.h"
-#include "voctree/clip.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv::tools {
 

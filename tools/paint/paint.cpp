@@ -17,7 +17,7 @@
 #include "tools/report.h"
 #include "tools/say.h"
 #include "tools/stage/stage_verbs.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv::tools {
 

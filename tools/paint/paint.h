@@ -14,7 +14,7 @@
 #include "stage/evaluated_stage.h"
 #include "tools/command_line.h"
 #include "tools/options.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::tools {
 

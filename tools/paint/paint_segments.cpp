@@ -10,7 +10,7 @@
 #include "tools/commands.h"
 #include "tools/paint/paint.h"
 #include "tools/report.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv::tools {
 

@@ -22,10 +22,10 @@
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/say.h"
-#include "voctree/clip.h"
-#include "voctree/clip_sound.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/clip_sound.h"
+#include "voctree/files/world_frame.h"
 #include "voctree/slice.h"
-#include "voctree/world_frame.h"
 
 namespace neuvv::tools {
 

@@ -6,8 +6,8 @@
 #include "editor/open_file.h"
 #include "stage/stage.h"
 #include "tools/stage/stage_verbs.h"
-#include "voctree/clip.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv::tools {
 

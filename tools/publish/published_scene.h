@@ -8,7 +8,7 @@
 
 #include "render/clips/segment_paint.h"
 #include "stage/stage.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 #include "voctree/slice_paint.h"
 
 namespace neuvv::tools {

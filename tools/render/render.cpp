@@ -21,7 +21,7 @@
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/say.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::tools {
 

@@ -10,8 +10,8 @@
 #include "tools/results.h"
 #include "tools/say.h"
 #include "tools/stage/stage_verbs.h"
-#include "voctree/clip.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv::tools {
 

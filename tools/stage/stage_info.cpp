@@ -17,8 +17,8 @@
 #include "stage/evaluated_stage.h"
 #include "tools/report.h"
 #include "tools/say.h"
-#include "voctree/clip.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::tools {
 

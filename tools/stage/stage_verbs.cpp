@@ -12,7 +12,7 @@
 #include "tools/options.h"
 #include "tools/results.h"
 #include "tools/say.h"
-#include "voctree/clip_sound.h"
+#include "voctree/files/clip_sound.h"
 
 namespace neuvv::tools {
 

@@ -14,7 +14,7 @@
 #include "tools/commands.h"
 #include "tools/render/render_part.h"
 #include "tools/say.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::tools {
 

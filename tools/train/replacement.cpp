@@ -13,8 +13,8 @@
 #include "training/rig/rig_file.h"
 #include "training/run/checkpoint.h"
 #include "training/run/claim.h"
-#include "voctree/clip_index.h"
-#include "voctree/clip_sound.h"
+#include "voctree/files/clip_index.h"
+#include "voctree/files/clip_sound.h"
 
 namespace neuvv::tools {
 

@@ -10,7 +10,7 @@
 #include "training/data/segments.h"
 #include "training/run/checkpoint.h"
 #include "training/run/claim.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::tools {
 

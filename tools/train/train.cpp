@@ -23,9 +23,9 @@
 #include "training/run/checkpoint.h"
 #include "training/run/claim.h"
 #include "training/run/schedule.h"
-#include "voctree/clip.h"
-#include "voctree/clip_index.h"
-#include "voctree/clip_sound.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/clip_index.h"
+#include "voctree/files/clip_sound.h"
 
 namespace neuvv::tools {
 

@@ -17,7 +17,7 @@
 #include "training/run/metrics_log.h"
 #include "training/run/preview.h"
 #include "training/run/schedule.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 #include "voctree/temporal_basis.h"
 
 namespace neuvv::tools {

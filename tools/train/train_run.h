@@ -13,7 +13,7 @@
 #include "training/data/segments.h"
 #include "training/rig/rig_file.h"
 #include "training/run/train.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::tools {
 
@@ -125,13 +125,13 @@ TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& se
 // and RuntimeFailure.
 bool correct_clip(const gpu::Device& device, TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan);
 
-// Trains the segments of a clip, which become a folder (voctree/clip_index.h); the budget is shared by frames. Without
-// TrainSettings::resume, the first rank begins with correct_clip and begin_segments, and sets it; with it, segments
-// that are finished stay, and those that are not go on. Any number of processes may do this at once, ranks of one job
-// or not: each segment is trained by the one that has its claim (training/run/claim.h), and that of a process that died
-// is taken by another. Ranks wait until all segments are finished; a process that was started alone leaves to others
-// what they train. A segment that cannot be trained is named, and the others are trained nevertheless; then throws
-// InputError or RuntimeFailure.
+// Trains the segments of a clip, which become a folder (voctree/files/clip_index.h); the budget is shared by frames.
+// Without TrainSettings::resume, the first rank begins with correct_clip and begin_segments, and sets it; with it,
+// segments that are finished stay, and those that are not go on. Any number of processes may do this at once, ranks of
+// one job or not: each segment is trained by the one that has its claim (training/run/claim.h), and that of a process
+// that died is taken by another. Ranks wait until all segments are finished; a process that was started alone leaves to
+// others what they train. A segment that cannot be trained is named, and the others are trained nevertheless; then
+// throws InputError or RuntimeFailure.
 void train_segments(const gpu::Device& device, TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan,
                     const Ranks& ranks);
 

@@ -14,7 +14,7 @@
 #include "render/frame/frame.h"
 #include "render/volume/field.h"
 #include "training/capture/capture_files.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv::training {
 

@@ -6,7 +6,7 @@
 
 #include "stage/camera_path.h"
 #include "stage/stage.h"
-#include "voctree/world_frame.h"
+#include "voctree/files/world_frame.h"
 
 namespace neuvv::training {
 
@@ -19,8 +19,8 @@ namespace neuvv::training {
 stage::CameraPath read_camera_path(const std::filesystem::path& file, double views_per_s,
                                    const voctree::WorldFrame& frame = {});
 
-// The frame of the performers' clips in the coordinates of their capture (voctree/world_frame.h), which is that of a
-// stage, too; the capture's own coordinates where performers are of several captures.
+// The frame of the performers' clips in the coordinates of their capture (voctree/files/world_frame.h), which is that
+// of a stage, too; the capture's own coordinates where performers are of several captures.
 voctree::WorldFrame frame_of(const stage::Stage& stage);
 
 // The path of a clip in the coordinates of its capture, to be written.

@@ -12,7 +12,7 @@
 #include "base/platform.h"
 #include "stage/camera.h"
 #include "training/data/tiled_image.h"
-#include "voctree/world_frame.h"
+#include "voctree/files/world_frame.h"
 
 namespace neuvv::training {
 

@@ -7,7 +7,7 @@
 #include "gpu/device.h"
 #include "training/data/dataset.h"
 #include "training/evaluation/metrics.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::render {

@@ -13,8 +13,8 @@
 #include "render/frame/frame.h"
 #include "training/evaluation/evaluate.h"
 #include "training/rig/pose_solver.h"
-#include "voctree/clip.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv::training {
 

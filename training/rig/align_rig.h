@@ -9,7 +9,7 @@
 #include "gpu/device.h"
 #include "training/data/dataset.h"
 #include "training/rig/camera_pose.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::training {
 

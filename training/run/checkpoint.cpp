@@ -18,8 +18,8 @@
 #include "training/run/schedule.h"
 #include "training/tree/compact.h"
 #include "voctree/coarse.h"
+#include "voctree/files/nvv.h"
 #include "voctree/frames.h"
-#include "voctree/nvv.h"
 
 namespace neuvv::training {
 

@@ -7,7 +7,7 @@
 #include "training/run/schedule.h"
 #include "training/step/camera_colour.h"
 #include "training/step/step.h"
-#include "voctree/world_frame.h"
+#include "voctree/files/world_frame.h"
 
 namespace neuvv::training {
 

@@ -7,8 +7,8 @@
 #include "base/error.h"
 #include "base/seconds.h"
 #include "base/trace_file.h"
-#include "voctree/clip.h"
-#include "voctree/nvv.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::render {
 

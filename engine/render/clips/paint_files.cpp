@@ -1,6 +1,6 @@
 #include "render/clips/paint_files.h"
 
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv::render {
 

@@ -1,7 +1,7 @@
 #include "render/clips/segment_paint.h"
 
 #include "base/error.h"
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 
 namespace neuvv::render {
 

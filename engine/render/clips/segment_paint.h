@@ -1,5 +1,5 @@
 // Paint of segments: a performer's layers on a clip in segments, each a folder with a file for every painted segment
-// (voctree/nvpaint.h). They are read and uploaded together with a segment.
+// (voctree/files/nvpaint.h). They are read and uploaded together with a segment.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 #include "base/file_stamp.h"
 #include "render/volume/paint.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::render {
 

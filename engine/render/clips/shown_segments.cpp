@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "gpu/device.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::render {
 

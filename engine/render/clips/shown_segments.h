@@ -11,7 +11,7 @@
 
 #include "render/volume/field.h"
 #include "render/volume/performer.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::render {
 

@@ -7,9 +7,9 @@
 
 #include "base/error.h"
 #include "media/image.h"
-#include "voctree/clip.h"
-#include "voctree/nvpaint.h"
-#include "voctree/nvv.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/nvpaint.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::render {
 

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/trace_file.h"
 #include "gpu/host_copies.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::render {
 

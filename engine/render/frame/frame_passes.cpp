@@ -9,7 +9,7 @@
 #include "gpu/host_copies.h"
 #include "shared/colour_map.h"
 #include "shared/lights.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::render {
 

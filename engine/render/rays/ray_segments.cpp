@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "shared/segments.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::render {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "base/threads/parallel.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::render {
 

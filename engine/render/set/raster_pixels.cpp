@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "render/set/raster.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::render {
 

@@ -12,7 +12,7 @@
 #include "base/trace_file.h"
 #include "gpu/host_copies.h"
 #include "render/volume/walk_tree.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::render {
 

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "gpu/host_copies.h"
 #include "render/volume/slice_tree.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 #include "spirv/paint_colour.comp.h"
 #include "spirv/paint_density.comp.h"

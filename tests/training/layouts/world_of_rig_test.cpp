@@ -8,7 +8,7 @@
 #include "training/data/camera_path_file.h"
 #include "training/data/dataset.h"
 #include "training/data/layouts/formats.h"
-#include "voctree/world_frame.h"
+#include "voctree/files/world_frame.h"
 
 namespace neuvv {
 namespace {

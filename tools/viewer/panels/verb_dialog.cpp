@@ -13,7 +13,7 @@
 #include "tools/viewer/panels/panels.h"
 #include "tools/viewer/panels/property_fields.h"
 #include "tools/viewer/verb_task.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::viewer {
 

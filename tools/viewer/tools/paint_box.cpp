@@ -9,7 +9,7 @@
 #include "tools/viewer/context.h"
 #include "tools/viewer/tools/overlay.h"
 #include "tools/viewer/tools/paint_tool.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv::viewer {
 

@@ -10,7 +10,7 @@
 
 #include "training/data/dataset.h"
 #include "training/data/lens.h"
-#include "voctree/world_frame.h"
+#include "voctree/files/world_frame.h"
 
 namespace neuvv::training {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "stream/nvs_index.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::voctree {
 

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "voctree/clip_index.h"
-#include "voctree/nvv.h"
-#include "voctree/plenoctree.h"
+#include "voctree/files/clip_index.h"
+#include "voctree/files/nvv.h"
+#include "voctree/files/plenoctree.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::voctree {

@@ -8,7 +8,7 @@
 
 #include "base/file_stamp.h"
 #include "stream/nvs_reader.h"
-#include "voctree/plenoctree.h"
+#include "voctree/files/plenoctree.h"
 
 namespace neuvv::voctree {
 

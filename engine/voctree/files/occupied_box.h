@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::voctree {

@@ -1,4 +1,4 @@
-#include "voctree/plenoctree_file.h"
+#include "voctree/files/plenoctree_file.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "shared/hh_counts.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::voctree {
 

@@ -1,4 +1,4 @@
-#include "voctree/occupied_box.h"
+#include "voctree/files/occupied_box.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "base/error.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::voctree {
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 #include "voctree/paint.h"
 
 namespace neuvv::voctree {

@@ -1,4 +1,4 @@
-#include "voctree/clip_index.h"
+#include "voctree/files/clip_index.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/formats/json.h"
 #include "base/output_path.h"
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::voctree {
 

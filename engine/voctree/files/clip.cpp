@@ -1,4 +1,4 @@
-#include "voctree/clip.h"
+#include "voctree/files/clip.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "voctree/plenoctree.h"
+#include "voctree/files/plenoctree.h"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 #include "base/error.h"
 #include "base/threads/parallel.h"
 #include "voctree/decode_colours.h"
-#include "voctree/half.h"
-#include "voctree/plenoctree_file.h"
+#include "voctree/files/half.h"
+#include "voctree/files/plenoctree_file.h"
 #include "voctree/sh_weights.h"
 
 namespace neuvv::voctree {

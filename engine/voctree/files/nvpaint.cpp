@@ -1,4 +1,4 @@
-#include "voctree/nvpaint.h"
+#include "voctree/files/nvpaint.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "base/platform.h"
-#include "voctree/chunk_file.h"
-#include "voctree/pack.h"
+#include "voctree/files/chunk_file.h"
+#include "voctree/files/pack.h"
 
 namespace neuvv::voctree {
 

@@ -1,4 +1,4 @@
-#include "voctree/world_frame.h"
+#include "voctree/files/world_frame.h"
 
 #include <array>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "voctree/chunk_file.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/chunk_file.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::voctree {
 

@@ -1,4 +1,4 @@
-#include "voctree/solid_leaves.h"
+#include "voctree/files/solid_leaves.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <tuple>
 
-#include "voctree/occupied_box.h"
+#include "voctree/files/occupied_box.h"
 #include "voctree/temporal_basis.h"
 
 namespace neuvv::voctree {

@@ -1,4 +1,4 @@
-#include "voctree/chunk_file.h"
+#include "voctree/files/chunk_file.h"
 
 #include <fmt/format.h>
 #include <xxhash.h>

@@ -1,4 +1,4 @@
-#include "voctree/clip_sound.h"
+#include "voctree/files/clip_sound.h"
 
 #include <algorithm>
 #include <memory>

@@ -1,11 +1,11 @@
-#include "voctree/pack.h"
+#include "voctree/files/pack.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
 #include "base/threads/parallel.h"
-#include "voctree/half.h"
+#include "voctree/files/half.h"
 
 namespace neuvv::voctree {
 
