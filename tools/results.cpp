@@ -12,7 +12,7 @@
 #include "base/output_path.h"
 #include "base/text.h"
 #include "editor/open_file.h"
-#include "stage/stage_file.h"
+#include "stage/file/stage_file.h"
 #include "stream/byte_source.h"
 #include "voctree/files/clip_index.h"
 

@@ -2,8 +2,8 @@
 //
 // A reference into an ordered_json becomes invalid when its object gets a new member: so scene_of and append_node are
 // called before references into the same list are taken. A reference into a member of the document becomes invalid with
-// the next copy of the document (stage/stage_json.h): so operations copy the document before they take references, as
-// all_or_nothing does.
+// the next copy of the document (stage/file/stage_json.h): so operations copy the document before they take references,
+// as all_or_nothing does.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "stage/stage_file.h"
+#include "stage/file/stage_file.h"
 #include "voctree/paint.h"
 
 namespace neuvv::edit {

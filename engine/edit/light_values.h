@@ -4,8 +4,8 @@
 #include <glm/glm.hpp>
 #include <optional>
 
-#include "stage/gltf_scene.h"
-#include "stage/stage_file.h"
+#include "stage/file/stage_file.h"
+#include "stage/gltf/gltf_scene.h"
 
 namespace neuvv::edit {
 

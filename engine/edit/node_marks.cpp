@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "edit/document.h"
 #include "edit/operations.h"
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_scene.h"
 
 namespace neuvv::edit {
 

@@ -21,9 +21,9 @@
 #include <vector>
 
 #include "stage/camera_path.h"
-#include "stage/gltf_scene.h"
+#include "stage/file/stage_file.h"
+#include "stage/gltf/gltf_scene.h"
 #include "stage/performer_settings.h"
-#include "stage/stage_file.h"
 #include "stage/stage_settings.h"
 
 namespace neuvv::edit {

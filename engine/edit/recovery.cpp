@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/formats/json.h"
 #include "base/platform.h"
-#include "stage/json_splice.h"
+#include "stage/file/json_splice.h"
 #include "stage/stage.h"
 #include "voctree/files/nvpaint.h"
 

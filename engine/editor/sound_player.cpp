@@ -18,8 +18,8 @@
 #include "base/file_stamp.h"
 #include "base/seconds.h"
 #include "base/trace_file.h"
-#include "stage/heard.h"
-#include "stage/pan.h"
+#include "stage/sound/heard.h"
+#include "stage/sound/pan.h"
 #include "voctree/files/clip_sound.h"
 
 namespace neuvv::editor {

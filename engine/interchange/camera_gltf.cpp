@@ -1,6 +1,6 @@
 #include "interchange/camera_gltf.h"
 
-#include "stage/glb_writer.h"
+#include "stage/gltf/glb_writer.h"
 
 namespace neuvv::interchange {
 

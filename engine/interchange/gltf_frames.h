@@ -4,7 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "stage/glb_writer.h"
+#include "stage/gltf/glb_writer.h"
 
 namespace neuvv::interchange {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "interchange/mesh_image.h"
-#include "stage/glb_writer.h"
+#include "stage/gltf/glb_writer.h"
 
 namespace neuvv::interchange {
 

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "interchange/splats.h"
-#include "stage/glb_writer.h"
+#include "stage/gltf/glb_writer.h"
 
 namespace neuvv::interchange {
 

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "interchange/splat_gltf.h"
-#include "stage/embedded.h"
+#include "stage/gltf/embedded.h"
 
 namespace neuvv::interchange {
 

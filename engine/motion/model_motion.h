@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "motion/skeleton.h"
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_scene.h"
 
 namespace neuvv::motion {
 

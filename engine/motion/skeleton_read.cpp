@@ -10,9 +10,9 @@
 #include "base/text.h"
 #include "motion/model_motion.h"
 #include "motion/skeleton_file.h"
-#include "stage/gltf_scene.h"
+#include "stage/file/stage_file.h"
+#include "stage/gltf/gltf_scene.h"
 #include "stage/pose.h"
-#include "stage/stage_file.h"
 
 namespace neuvv::motion {
 

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "motion/bone_motion.h"
 #include "motion/skeleton_file.h"
-#include "stage/glb_writer.h"
+#include "stage/gltf/glb_writer.h"
 
 namespace neuvv::motion {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_scene.h"
 
 namespace neuvv::stage {
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/file_stamp.h"
-#include "stage/gltf_scene.h"
+#include "stage/file/stage_file.h"
+#include "stage/gltf/gltf_scene.h"
 #include "stage/performer_settings.h"
-#include "stage/stage_file.h"
 #include "stage/stage_settings.h"
 #include "stage/time_map.h"
 #include "voctree/files/clip_index.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "render/set/set_raster.h"
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_scene.h"
 
 namespace neuvv::test {
 

@@ -12,7 +12,7 @@
 #include "interchange/mesh_gltf.h"
 #include "interchange/mesh_loss.h"
 #include "interchange/surface_net.h"
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_scene.h"
 #include "support/closed_mesh.h"
 #include "support/look_at.h"
 #include "support/temporary_folder.h"

@@ -6,7 +6,7 @@
 
 #include "motion/key_points.h"
 #include "motion/skeleton.h"
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_scene.h"
 
 namespace neuvv::test {
 

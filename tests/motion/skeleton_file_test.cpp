@@ -4,8 +4,8 @@
 
 #include "motion/detector.h"
 #include "motion/humanoid.h"
-#include "stage/glb_writer.h"
-#include "stage/gltf_scene.h"
+#include "stage/gltf/glb_writer.h"
+#include "stage/gltf/gltf_scene.h"
 #include "stage/pose.h"
 #include "support/input_error.h"
 #include "support/near.h"

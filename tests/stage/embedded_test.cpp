@@ -1,4 +1,4 @@
-#include "stage/embedded.h"
+#include "stage/gltf/embedded.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_scene.h"
 #include "support/temporary_folder.h"
 
 namespace neuvv::test {

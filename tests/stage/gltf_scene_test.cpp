@@ -1,4 +1,4 @@
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_scene.h"
 
 #include <gtest/gtest.h>
 

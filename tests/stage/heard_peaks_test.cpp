@@ -1,5 +1,5 @@
 // Where on a time line a performer's sound is loud.
-#include "stage/heard_peaks.h"
+#include "stage/sound/heard_peaks.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What is heard as a clip plays by a time map.
-#include "stage/heard.h"
+#include "stage/sound/heard.h"
 
 #include <gtest/gtest.h>
 

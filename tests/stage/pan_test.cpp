@@ -1,5 +1,5 @@
 // The gains of two loudspeakers for a sound at a place.
-#include "stage/pan.h"
+#include "stage/sound/pan.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "stage/stage_file.h"
+#include "stage/file/stage_file.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
-#include "stage/gltf_container.h"
+#include "stage/file/gltf_container.h"
 #include "stage/stage.h"
 #include "support/input_error.h"
 #include "tests/stage/stage_files.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "stage/stage_file.h"
+#include "stage/file/stage_file.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
 #include "voctree/files/nvv.h"

@@ -1,9 +1,9 @@
-#include "stage/stage_json.h"
+#include "stage/file/stage_json.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "stage/json_splice.h"
+#include "stage/file/json_splice.h"
 #include "stage/stage.h"
 #include "support/temporary_folder.h"
 #include "tests/stage/stage_files.h"

@@ -1,5 +1,5 @@
 // What is heard of a stage in a video: each performer from where it is, for the ears of a camera.
-#include "stage/stage_sound.h"
+#include "stage/sound/stage_sound.h"
 
 #include <gtest/gtest.h>
 

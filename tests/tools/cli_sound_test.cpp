@@ -7,7 +7,7 @@
 #include "media/sound.h"
 #include "media/video.h"
 #include "stage/evaluated_stage.h"
-#include "stage/pan.h"
+#include "stage/sound/pan.h"
 #include "stream/served_stream.h"
 #include "support/wav_file.h"
 #include "tests/tools/cli_gpu.h"

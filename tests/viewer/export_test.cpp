@@ -10,7 +10,7 @@
 #include "edit/operations.h"
 #include "media/sound.h"
 #include "media/video.h"
-#include "stage/pan.h"
+#include "stage/sound/pan.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"

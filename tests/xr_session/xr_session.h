@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "media/image.h"
-#include "stage/stage_file.h"
+#include "stage/file/stage_file.h"
 #include "support/temporary_folder.h"
 
 namespace neuvv::test {

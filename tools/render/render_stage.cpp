@@ -11,7 +11,7 @@
 #include "media/image_sink.h"
 #include "render/clips/light_status.h"
 #include "render/clips/stage_renderer.h"
-#include "stage/stage_sound.h"
+#include "stage/sound/stage_sound.h"
 #include "tools/render/render.h"
 #include "tools/render/render_layers.h"
 #include "tools/report.h"

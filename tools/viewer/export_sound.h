@@ -7,7 +7,7 @@
 #include <memory>
 #include <stop_token>
 
-#include "stage/stage_sound.h"
+#include "stage/sound/stage_sound.h"
 
 namespace neuvv::viewer {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <span>
 
-#include "stage/heard_peaks.h"
+#include "stage/sound/heard_peaks.h"
 #include "tools/viewer/timeline/timeline_view.h"
 
 namespace neuvv::viewer {

@@ -1,10 +1,10 @@
-#include "stage/stage_sound.h"
+#include "stage/sound/stage_sound.h"
 
 #include <cmath>
 #include <map>
 #include <utility>
 
-#include "stage/pan.h"
+#include "stage/sound/pan.h"
 #include "voctree/files/clip_sound.h"
 
 namespace neuvv::stage {

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "stage/glb_writer.h"
-#include "stage/stage_file.h"
+#include "stage/file/stage_file.h"
+#include "stage/gltf/glb_writer.h"
 
 namespace neuvv::stage {
 

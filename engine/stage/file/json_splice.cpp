@@ -1,4 +1,4 @@
-#include "stage/json_splice.h"
+#include "stage/file/json_splice.h"
 
 #include <fmt/format.h>
 

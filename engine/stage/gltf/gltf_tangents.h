@@ -1,7 +1,7 @@
 // Internal to this module: tangents for primitives whose material has a normal map.
 #pragma once
 
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_scene.h"
 
 namespace neuvv::stage {
 

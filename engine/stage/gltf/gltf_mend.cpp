@@ -1,4 +1,4 @@
-#include "stage/gltf_mend.h"
+#include "stage/gltf/gltf_mend.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <span>
 
-#include "stage/gltf_check.h"
-#include "stage/stage_file.h"
+#include "stage/file/stage_file.h"
+#include "stage/gltf/gltf_check.h"
 
 namespace neuvv::stage {
 

@@ -1,4 +1,4 @@
-#include "stage/stage_json.h"
+#include "stage/file/stage_json.h"
 
 #include <algorithm>
 #include <atomic>

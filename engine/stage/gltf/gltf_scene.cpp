@@ -1,4 +1,4 @@
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_scene.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 
 #include "base/error.h"
 #include "base/platform.h"
-#include "stage/gltf_parse.h"
-#include "stage/stage_file.h"
+#include "stage/file/stage_file.h"
+#include "stage/gltf/gltf_parse.h"
 
 namespace neuvv::stage {
 

@@ -1,4 +1,4 @@
-#include "stage/gltf_container.h"
+#include "stage/file/gltf_container.h"
 
 #include <fmt/format.h>
 

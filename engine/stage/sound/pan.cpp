@@ -1,4 +1,4 @@
-#include "stage/pan.h"
+#include "stage/sound/pan.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,10 +5,10 @@
 #include <map>
 
 #include "base/error.h"
-#include "stage/gltf_mend.h"
-#include "stage/gltf_parse.h"
-#include "stage/gltf_scene.h"
-#include "stage/gltf_tangents.h"
+#include "stage/gltf/gltf_mend.h"
+#include "stage/gltf/gltf_parse.h"
+#include "stage/gltf/gltf_scene.h"
+#include "stage/gltf/gltf_tangents.h"
 
 namespace neuvv::stage {
 

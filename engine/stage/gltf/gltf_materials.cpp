@@ -7,8 +7,8 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "media/orientation.h"
-#include "stage/gltf_parse.h"
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_parse.h"
+#include "stage/gltf/gltf_scene.h"
 
 namespace neuvv::stage {
 

@@ -1,4 +1,4 @@
-#include "stage/gltf_tangents.h"
+#include "stage/gltf/gltf_tangents.h"
 
 #include <algorithm>
 #include <cmath>

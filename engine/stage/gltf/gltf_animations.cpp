@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "stage/gltf_parse.h"
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_parse.h"
+#include "stage/gltf/gltf_scene.h"
 
 namespace neuvv::stage {
 

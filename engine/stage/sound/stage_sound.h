@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "stage/evaluated_stage.h"
-#include "stage/heard.h"
+#include "stage/sound/heard.h"
 #include "stage/stage.h"
 
 namespace neuvv::stage {

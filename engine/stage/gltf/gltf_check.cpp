@@ -1,4 +1,4 @@
-#include "stage/gltf_check.h"
+#include "stage/gltf/gltf_check.h"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "stage/gltf_scene.h"
-#include "stage/stage_file.h"
+#include "stage/file/stage_file.h"
+#include "stage/gltf/gltf_scene.h"
 
 namespace neuvv::stage {
 

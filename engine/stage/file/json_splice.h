@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "stage/stage_json.h"
+#include "stage/file/stage_json.h"
 
 namespace neuvv::stage {
 

@@ -1,9 +1,9 @@
-#include "stage/embedded.h"
+#include "stage/gltf/embedded.h"
 
 #include <algorithm>
 #include <array>
 
-#include "stage/gltf_parse.h"
+#include "stage/gltf/gltf_parse.h"
 
 namespace neuvv::stage {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "stage/stage_json.h"
+#include "stage/file/stage_json.h"
 
 namespace neuvv::stage {
 

@@ -1,9 +1,9 @@
-#include "stage/heard_peaks.h"
+#include "stage/sound/heard_peaks.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "stage/heard.h"
+#include "stage/sound/heard.h"
 
 namespace neuvv::stage {
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "stage/gltf_parse.h"
+#include "stage/gltf/gltf_parse.h"
 
 namespace neuvv::stage {
 

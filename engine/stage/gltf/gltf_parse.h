@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "stage/gltf_scene.h"
+#include "stage/gltf/gltf_scene.h"
 
 namespace neuvv::stage {
 

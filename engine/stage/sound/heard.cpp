@@ -1,4 +1,4 @@
-#include "stage/heard.h"
+#include "stage/sound/heard.h"
 
 #include <cmath>
 #include <numbers>

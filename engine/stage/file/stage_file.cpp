@@ -1,4 +1,4 @@
-#include "stage/stage_file.h"
+#include "stage/file/stage_file.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "base/text.h"
-#include "stage/gltf_container.h"
-#include "stage/json_splice.h"
+#include "stage/file/gltf_container.h"
+#include "stage/file/json_splice.h"
 #include "stream/byte_source.h"
 
 namespace neuvv::stage {

@@ -1,4 +1,4 @@
-#include "stage/glb_writer.h"
+#include "stage/gltf/glb_writer.h"
 
 #include <fmt/format.h>
 

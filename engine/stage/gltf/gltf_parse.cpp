@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "stage/gltf_parse.h"
+#include "stage/gltf/gltf_parse.h"
 
 #include <fmt/format.h>
 
@@ -10,11 +10,11 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "base/text.h"
-#include "stage/gltf_check.h"
-#include "stage/gltf_container.h"
-#include "stage/gltf_mend.h"
-#include "stage/json_splice.h"
-#include "stage/stage_file.h"
+#include "stage/file/gltf_container.h"
+#include "stage/file/json_splice.h"
+#include "stage/file/stage_file.h"
+#include "stage/gltf/gltf_check.h"
+#include "stage/gltf/gltf_mend.h"
 #include "stream/bytes.h"
 
 namespace neuvv::stage {
