@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "motion/joints.h"
+#include "motion/skeleton/joints.h"
 
 namespace neuvv::xr {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-#include "motion/skeleton.h"
+#include "motion/skeleton/skeleton.h"
 #include "xr/body_tracking_types.h"
 
 namespace neuvv::xr {

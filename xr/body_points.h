@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "motion/skeleton.h"
+#include "motion/skeleton/skeleton.h"
 #include "xr/bindings.h"
 #include "xr/hand_tracking.h"
 #include "xr/hands.h"

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "motion/skeleton.h"
+#include "motion/skeleton/skeleton.h"
 #include "xr/body_points.h"
 #include "xr/body_tracking_types.h"
 #include "xr/session.h"

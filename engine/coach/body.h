@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "motion/skeleton.h"
+#include "motion/skeleton/skeleton.h"
 #include "render/volume/highlight.h"
 
 namespace neuvv::coach {

@@ -7,8 +7,8 @@
 
 #include "coach/ghost.h"
 #include "coach/viewpoint.h"
-#include "motion/live.h"
-#include "motion/pose_line.h"
+#include "motion/live/live.h"
+#include "motion/live/pose_line.h"
 
 namespace neuvv::coach {
 

@@ -1,6 +1,6 @@
 #include "coach/ghost.h"
 
-#include "motion/limb_error.h"
+#include "motion/compare/limb_error.h"
 
 namespace neuvv::coach {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "coach/body.h"
-#include "motion/best_view.h"
+#include "motion/video/best_view.h"
 
 namespace neuvv::coach {
 

@@ -4,7 +4,7 @@
 #include "coach/coach.h"
 #include "coach/guide.h"
 #include "coach/trainer.h"
-#include "motion/pose_source.h"
+#include "motion/live/pose_source.h"
 
 namespace neuvv::coach {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 
 namespace neuvv::coach {
 

@@ -1,7 +1,7 @@
 // The performer of a stage whose motion a trainee follows.
 #pragma once
 
-#include "motion/skeleton.h"
+#include "motion/skeleton/skeleton.h"
 #include "render/clips/stage_renderer.h"
 #include "stage/evaluated_stage.h"
 

@@ -18,7 +18,7 @@ double seen_error(std::span<const JointError> errors, std::span<const BodyBone> 
 bool is_hidden(const glm::dvec3& point, std::span<const BodyBone> body, const glm::dvec3& eye);
 
 // Eyes from which a body may be looked at: all around at four heights and along the closed form's direction
-// (motion/best_view.h), at a distance (metres) from a middle.
+// (motion/video/best_view.h), at a distance (metres) from a middle.
 std::vector<glm::dvec3> candidate_eyes(std::span<const JointError> errors, const glm::dvec3& middle, double distance);
 
 // Chooses an eye while errors change: of two that see alike the more level one. It stays where it is until another eye

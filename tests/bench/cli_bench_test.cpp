@@ -1,6 +1,6 @@
 // neuvv-bench: that each measurement runs, prints what it promises, and refuses what it cannot do.
 #include "motion/detector.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "support/body_tree.h"
 #include "support/segmented_copy.h"
 #include "tests/tools/cli_gpu.h"

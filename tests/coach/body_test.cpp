@@ -7,7 +7,7 @@
 
 #include "coach/coach.h"
 #include "motion/detector.h"
-#include "motion/humanoid.h"
+#include "motion/skeleton/humanoid.h"
 #include "motion/trainee.h"
 #include "reference/highlight.h"
 #include "stage/pose.h"

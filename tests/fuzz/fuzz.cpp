@@ -21,9 +21,9 @@
 #include "base/platform.h"
 #include "fuzz/mutate.h"
 #include "fuzz/verdict.h"
-#include "motion/key_points.h"
-#include "motion/skeleton_file.h"
-#include "motion/vmc.h"
+#include "motion/live/vmc.h"
+#include "motion/skeleton/skeleton_file.h"
+#include "motion/video/key_points.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/nvpaint.h"
 

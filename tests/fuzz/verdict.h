@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "motion/skeleton.h"
+#include "motion/skeleton/skeleton.h"
 #include "stage/stage.h"
 #include "training/data/dataset.h"
 #include "voctree/paint.h"

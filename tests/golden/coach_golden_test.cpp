@@ -6,9 +6,9 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "golden/golden.h"
-#include "motion/compare.h"
+#include "motion/compare/compare.h"
 #include "motion/detector.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "motion/trainee.h"
 #include "render/frame/frame.h"
 #include "support/body_tree.h"

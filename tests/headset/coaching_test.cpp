@@ -4,7 +4,7 @@
 #include <imgui.h>
 
 #include "headset/hands_at_a_stage.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "support/trainer_figure.h"
 #include "tools/headset/panel.h"
 #include "tools/ui/theme.h"

@@ -1,5 +1,5 @@
 // The names that programs give to the bones of a body.
-#include "motion/bone_names.h"
+#include "motion/skeleton/bone_names.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

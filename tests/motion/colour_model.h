@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "media/image.h"
-#include "motion/key_point_detector.h"
+#include "motion/video/key_point_detector.h"
 
 namespace neuvv::test {
 

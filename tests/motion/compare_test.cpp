@@ -1,5 +1,5 @@
 // What a trainee does otherwise is named; what is only another body, place, direction or speed is not.
-#include "motion/compare.h"
+#include "motion/compare/compare.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
-#include "motion/best_view.h"
 #include "motion/detector.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "motion/trainee.h"
+#include "motion/video/best_view.h"
 #include "reference/motion.h"
 #include "support/input_error.h"
 #include "support/near.h"

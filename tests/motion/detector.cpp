@@ -7,8 +7,8 @@
 #include <random>
 #include <stdexcept>
 
-#include "motion/model_motion.h"
-#include "motion/triangulate.h"
+#include "motion/skeleton/model_motion.h"
+#include "motion/video/triangulate.h"
 #include "support/look_at.h"
 #include "support/temporary_folder.h"
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "motion/key_points.h"
-#include "motion/skeleton.h"
+#include "motion/skeleton/skeleton.h"
+#include "motion/video/key_points.h"
 #include "stage/gltf/gltf_scene.h"
 
 namespace neuvv::test {

@@ -1,11 +1,11 @@
 // Skeletons from key points: the truth is a model's own motion, the key points are its joints as detectors see them.
-#include "motion/extract.h"
+#include "motion/video/extract.h"
 
 #include <gtest/gtest.h>
 
-#include "motion/compare.h"
+#include "motion/compare/compare.h"
 #include "motion/detector.h"
-#include "motion/triangulate.h"
+#include "motion/video/triangulate.h"
 #include "support/input_error.h"
 #include "support/near.h"
 

@@ -1,5 +1,5 @@
 // Key points by networks in ONNX files, which the tests write: each answers to the colours of markers.
-#include "motion/key_point_detector.h"
+#include "motion/video/key_point_detector.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <random>
 
 #include "motion/colour_model.h"
-#include "motion/onnx_input.h"
-#include "motion/person_crop.h"
+#include "motion/video/onnx_input.h"
+#include "motion/video/person_crop.h"
 #include "support/input_error.h"
 #include "support/near.h"
 #include "support/temporary_folder.h"

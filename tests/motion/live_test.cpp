@@ -1,5 +1,5 @@
 // Feedback while somebody performs: poses arrive 60 times a second, with a centimetre of noise.
-#include "motion/live.h"
+#include "motion/live/live.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <random>
 
 #include "motion/detector.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "motion/trainee.h"
 
 namespace neuvv {

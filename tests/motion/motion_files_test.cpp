@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "motion/detector.h"
-#include "motion/pose_line.h"
-#include "motion/skeleton_file.h"
+#include "motion/live/pose_line.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "support/input_error.h"
 #include "support/near.h"
 #include "support/temporary_folder.h"

@@ -1,5 +1,5 @@
 // Sources of poses: real packets, pipes and files, on a clock of the test's own.
-#include "motion/pose_source.h"
+#include "motion/live/pose_source.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -12,9 +12,9 @@
 
 #include "base/udp_socket.h"
 #include "motion/detector.h"
-#include "motion/line_source.h"
+#include "motion/live/line_source.h"
 #include "motion/senders.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 

@@ -1,9 +1,9 @@
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 
 #include <gtest/gtest.h>
 
 #include "motion/detector.h"
-#include "motion/humanoid.h"
+#include "motion/skeleton/humanoid.h"
 #include "stage/gltf/glb_writer.h"
 #include "stage/gltf/gltf_scene.h"
 #include "stage/pose.h"

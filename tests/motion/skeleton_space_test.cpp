@@ -1,10 +1,10 @@
 // Which axis of another program's motion is up, and what its lengths mean.
-#include "motion/skeleton_space.h"
+#include "motion/skeleton/skeleton_space.h"
 
 #include <gtest/gtest.h>
 
 #include "motion/detector.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "motion/trainee.h"
 #include "support/near.h"
 #include "support/temporary_folder.h"

@@ -1,7 +1,7 @@
 // Trainees made of a trainer's motion: other bodies, other places, other speeds, and planted mistakes.
 #pragma once
 
-#include "motion/skeleton.h"
+#include "motion/skeleton/skeleton.h"
 
 namespace neuvv::test {
 

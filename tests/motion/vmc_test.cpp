@@ -1,5 +1,5 @@
 // Packets of the VMC protocol: whose pose they are, and that none of them does harm.
-#include "motion/vmc.h"
+#include "motion/live/vmc.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <map>
 #include <random>
 
-#include "motion/osc.h"
+#include "motion/live/osc.h"
 #include "motion/senders.h"
 #include "support/input_error.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "motion/skeleton.h"
+#include "motion/skeleton/skeleton.h"
 
 namespace neuvv::reference {
 

@@ -1,7 +1,7 @@
 // A person of leaves, without training: those around the bones of a skeleton.
 #pragma once
 
-#include "motion/skeleton.h"
+#include "motion/skeleton/skeleton.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::test {

@@ -4,7 +4,7 @@
 
 #include "media/image.h"
 #include "motion/detector.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "motion/trainee.h"
 #include "support/body_tree.h"
 #include "support/stage_on_disk.h"

@@ -7,8 +7,8 @@
 
 #include "base/error.h"
 #include "media/video.h"
-#include "motion/skeleton_file.h"
-#include "motion/triangulate.h"
+#include "motion/skeleton/skeleton_file.h"
+#include "motion/video/triangulate.h"
 #include "stage/stage.h"
 #include "support/child_process.h"
 #include "support/edit_image.h"

@@ -1,6 +1,6 @@
 // Coaching in the window, by clicks: begin, what turns red, again, show me, the report, end.
 #include "motion/detector.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "motion/trainee.h"
 #include "viewer_window/viewer_window.h"
 

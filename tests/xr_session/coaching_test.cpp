@@ -1,7 +1,7 @@
 // Coaching with a performer in the headset: what turns red, the ghost, and what the panel's page does.
 #include "coach/guide.h"
 #include "golden/golden.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "support/trainer_figure.h"
 #include "voctree/files/nvv.h"
 #include "xr/body_tracking_types.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "motion/skeleton.h"
+#include "motion/skeleton/skeleton.h"
 
 namespace neuvv::bench {
 

@@ -14,7 +14,7 @@
 #include "coach/trainer.h"
 #include "editor/open_file.h"
 #include "media/image_sink.h"
-#include "motion/pose_source.h"
+#include "motion/live/pose_source.h"
 #include "tools/motion/coach_drawing.h"
 #include "tools/motion/motion_page.h"
 #include "tools/motion/skeleton_verbs.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "coach/guide.h"
-#include "motion/triangulate.h"
+#include "motion/video/triangulate.h"
 #include "tools/image_drawing.h"
 
 namespace neuvv::tools {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "motion/best_view.h"
+#include "motion/video/best_view.h"
 #include "tools/html.h"
 
 namespace neuvv::tools {

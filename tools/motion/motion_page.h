@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "motion/compare.h"
+#include "motion/compare/compare.h"
 
 namespace neuvv::tools {
 

@@ -3,8 +3,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "motion/compare.h"
-#include "motion/skeleton_file.h"
+#include "motion/compare/compare.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "tools/commands.h"
 
 namespace neuvv::tools {

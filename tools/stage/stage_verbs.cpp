@@ -7,7 +7,7 @@
 #include "editor/open_file.h"
 #include "media/image.h"
 #include "media/sound.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "stage/stage.h"
 #include "tools/options.h"
 #include "tools/results.h"

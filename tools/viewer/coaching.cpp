@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/output_path.h"
-#include "motion/compare.h"
+#include "motion/compare/compare.h"
 #include "tools/motion/motion_page.h"
 #include "tools/viewer/tools/overlay.h"
 

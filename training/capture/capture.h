@@ -43,11 +43,11 @@ struct CaptureResult {
     bool complete = false;           // false: stopped early, and the folder has no transforms
 };
 
-// Writes folder/images/cNN_fNNN.png, for a humanoid folder/skeleton.glb (motion/skeleton_file.h), with a checkered
-// background folder/plates/cNN.png, and last of all folder/transforms_train.json and _test.json, so that a folder with
-// transforms is complete. Older transforms are removed first. Frame i shows the animation at i / fps seconds; an
-// animation that has ended stays in its last pose. Throws InputError for settings and models that cannot be captured,
-// RuntimeFailure for what the machine cannot do.
+// Writes folder/images/cNN_fNNN.png, for a humanoid folder/skeleton.glb (motion/skeleton/skeleton_file.h), with a
+// checkered background folder/plates/cNN.png, and last of all folder/transforms_train.json and _test.json, so that a
+// folder with transforms is complete. Older transforms are removed first. Frame i shows the animation at i / fps
+// seconds; an animation that has ended stays in its last pose. Throws InputError for settings and models that cannot be
+// captured, RuntimeFailure for what the machine cannot do.
 CaptureResult capture(const gpu::Device& device, const std::filesystem::path& model,
                       const std::filesystem::path& folder, const CaptureSettings& settings,
                       const CaptureProgress& progress);

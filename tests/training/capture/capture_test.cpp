@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "base/platform.h"
-#include "motion/skeleton_file.h"
+#include "motion/skeleton/skeleton_file.h"
 #include "stage/pose.h"
 #include "tests/stage/glb_builder.h"
 #include "tests/support/input_error.h"

@@ -1,0 +1,146 @@
+#include "motion/video/bundle.h"
+
+#include <ceres/ceres.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "base/error.h"
+#include "motion/video/triangulate.h"
+
+namespace neuvv::motion {
+
+namespace {
+
+constexpr double kPointError = 0.01;  // of the body's height: what detectors reach
+constexpr double kHuber = 2;          // in such errors: beyond it a key point pulls no harder
+constexpr double kBoneError = 0.004;  // of the height: limbs
+constexpr double kTrunkError = 0.03;  // of the height: bones across joints that shift and bend
+constexpr double kAcceleration = 15;  // metres a second²: usual in a dance
+constexpr int kMaxIterations = 50;
+
+// The image of a joint against a key point.
+struct ReprojectionResidual {
+    const stage::Camera& camera;
+    glm::dvec2 pixel;
+    double scale;  // errors a pixel
+
+    template <typename T>
+    bool operator()(const T* point, T* residual) const {
+        const glm::dmat4& pose = camera.world_from_camera;
+        T local[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            local[axis] = T(0);
+            for (int i = 0; i < 3; ++i) local[axis] += pose[axis][i] * (point[i] - pose[3][i]);
+        }
+        if (!(local[2] < T(-1e-6))) return false;
+        residual[0] = scale * (camera.cx - camera.fx * local[0] / local[2] - pixel.x);
+        residual[1] = scale * (camera.cy + camera.fy * local[1] / local[2] - pixel.y);
+        return true;
+    }
+};
+
+struct BoneResidual {
+    double scale;
+
+    template <typename T>
+    bool operator()(const T* parent, const T* child, const T* length, T* residual) const {
+        T square(1e-12);  // the root of 0 has no derivative
+        for (int i = 0; i < 3; ++i) square += (child[i] - parent[i]) * (child[i] - parent[i]);
+        using std::sqrt;
+        residual[0] = scale * (sqrt(square) - length[0]);
+        return true;
+    }
+};
+
+struct AccelerationResidual {
+    double scale;
+
+    template <typename T>
+    bool operator()(const T* before, const T* now, const T* after, T* residual) const {
+        for (int i = 0; i < 3; ++i) residual[i] = scale * (before[i] - 2.0 * now[i] + after[i]);
+        return true;
+    }
+};
+
+// Whether the bone to this joint is one of a limb, which keeps its length.
+bool is_rigid(size_t joint) {
+    const JointInfo& info = info_of(joint_at(joint));
+    return info.limb != Limb::kTrunk && info.limb != Limb::kHead;
+}
+
+struct BundleProblem {
+    ceres::Problem problem;
+    std::array<double, kJoints> lengths;
+};
+
+void add_reprojections(BundleProblem& bundle, const Detections& detections, const UsedPoints& used, double height_m,
+                       SkeletonClip& clip) {
+    for (size_t f = 0; f < clip.frames.size(); ++f) {
+        for (size_t c = 0; c < detections.cameras.size(); ++c) {
+            const size_t image = f * detections.cameras.size() + c;
+            for (size_t j = 0; j < kJoints; ++j) {
+                if (!used[image][j]) continue;
+                const stage::Camera& camera = detections.cameras[c];
+                const KeyPoint& point = detections.points[image][j];
+                glm::dvec3& position = clip.frames[f][j].position;
+                const double scale = metres_per_pixel(camera, position) / (kPointError * height_m);
+                bundle.problem.AddResidualBlock(
+                    new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 3>(
+                        new ReprojectionResidual{camera, point.pixel, scale * std::sqrt(point.confidence)}),
+                    new ceres::HuberLoss(kHuber), &position[0]);
+            }
+        }
+    }
+}
+
+void add_bones(BundleProblem& bundle, double height_m, SkeletonClip& clip) {
+    for (size_t j = 1; j < kJoints; ++j) {
+        const size_t parent = index_of(info_of(joint_at(j)).parent);
+        if (!(bundle.lengths[j] > 0)) continue;
+        const double scale = 1 / ((is_rigid(j) ? kBoneError : kTrunkError) * height_m);
+        for (Pose& pose : clip.frames)
+            bundle.problem.AddResidualBlock(
+                new ceres::AutoDiffCostFunction<BoneResidual, 1, 3, 3, 1>(new BoneResidual{scale}), nullptr,
+                &pose[parent].position[0], &pose[j].position[0], &bundle.lengths[j]);
+    }
+}
+
+void add_accelerations(BundleProblem& bundle, const std::array<double, kJoints>& known, SkeletonClip& clip) {
+    const double scale = clip.fps * clip.fps / kAcceleration;
+    for (size_t j = 0; j < kJoints; ++j) {
+        if (!(known[j] > 0)) continue;
+        for (size_t f = 1; f + 1 < clip.frames.size(); ++f)
+            bundle.problem.AddResidualBlock(
+                new ceres::AutoDiffCostFunction<AccelerationResidual, 3, 3, 3, 3>(new AccelerationResidual{scale}),
+                nullptr, &clip.frames[f - 1][j].position[0], &clip.frames[f][j].position[0],
+                &clip.frames[f + 1][j].position[0]);
+    }
+}
+
+}  // namespace
+
+void fit_over_time(const Detections& detections, const UsedPoints& used, double height_m, SkeletonClip& clip) {
+    BundleProblem bundle;
+    bundle.lengths = bone_lengths(clip);
+    std::array<double, kJoints> known{};
+    for (const Pose& pose : clip.frames)
+        for (size_t j = 0; j < kJoints; ++j) known[j] = std::max(known[j], pose[j].confidence);
+    add_reprojections(bundle, detections, used, height_m, clip);
+    add_bones(bundle, height_m, clip);
+    add_accelerations(bundle, known, clip);
+
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    options.max_num_iterations = kMaxIterations;
+    options.function_tolerance = 1e-5;
+    options.num_threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &bundle.problem, &summary);
+    if (!summary.IsSolutionUsable())
+        throw RuntimeFailure(fmt::format("skeleton: the fit over time failed: {}", summary.message));
+}
+
+}  // namespace neuvv::motion
