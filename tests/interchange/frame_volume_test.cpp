@@ -1,5 +1,5 @@
 // A frame as leaves against the reference's slice, and volumes of fewer leaves.
-#include "interchange/frame_volume.h"
+#include "interchange/volume/frame_volume.h"
 
 #include <gtest/gtest.h>
 

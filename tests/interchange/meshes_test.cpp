@@ -6,12 +6,12 @@
 #include <sstream>
 
 #include "base/platform.h"
-#include "interchange/bake.h"
-#include "interchange/clip_mesh.h"
-#include "interchange/mesh_files.h"
-#include "interchange/mesh_gltf.h"
-#include "interchange/mesh_loss.h"
-#include "interchange/surface_net.h"
+#include "interchange/mesh/bake.h"
+#include "interchange/mesh/clip_mesh.h"
+#include "interchange/mesh/mesh_files.h"
+#include "interchange/mesh/mesh_gltf.h"
+#include "interchange/mesh/mesh_loss.h"
+#include "interchange/mesh/surface_net.h"
 #include "stage/gltf/gltf_scene.h"
 #include "support/closed_mesh.h"
 #include "support/look_at.h"

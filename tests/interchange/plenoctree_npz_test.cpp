@@ -1,6 +1,6 @@
 // Frames as PlenOctrees: what svox finds at points of the world, what our import reads, and what volrend's reader
 // needs.
-#include "interchange/plenoctree_npz.h"
+#include "interchange/volume/plenoctree_npz.h"
 
 #include <gtest/gtest.h>
 

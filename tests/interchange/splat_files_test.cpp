@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "base/platform.h"
-#include "interchange/splat_gltf.h"
-#include "interchange/splat_usd.h"
-#include "interchange/stand_ins.h"
+#include "interchange/splats/splat_gltf.h"
+#include "interchange/splats/splat_usd.h"
+#include "interchange/stage/stand_ins.h"
 #include "stage/stage.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"

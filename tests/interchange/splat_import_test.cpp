@@ -12,9 +12,9 @@
 
 #include "base/error.h"
 #include "fuzz/mutate.h"
-#include "interchange/splat_image.h"
-#include "interchange/splat_ply.h"
-#include "interchange/voxelise.h"
+#include "interchange/splats/splat_image.h"
+#include "interchange/splats/splat_ply.h"
+#include "interchange/splats/voxelise.h"
 #include "reference/splats.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"

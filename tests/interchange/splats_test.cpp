@@ -1,5 +1,5 @@
 // Splats of leaves: their colours from all sides, where they are placed, and their images against the reference's.
-#include "interchange/splats.h"
+#include "interchange/splats/splats.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "interchange/fit_splats.h"
-#include "interchange/shown_leaves.h"
-#include "interchange/splat_ply.h"
+#include "interchange/splats/fit_splats.h"
+#include "interchange/splats/shown_leaves.h"
+#include "interchange/splats/splat_ply.h"
 #include "media/image.h"
 #include "reference/hh.h"
 #include "reference/splats.h"

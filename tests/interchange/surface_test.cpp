@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "interchange/simplify.h"
-#include "interchange/surface_net.h"
+#include "interchange/mesh/simplify.h"
+#include "interchange/mesh/surface_net.h"
 #include "support/closed_mesh.h"
 #include "support/random_tree.h"
 

@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "fuzz/mutate.h"
-#include "interchange/vdb_volume.h"
+#include "interchange/volume/vdb_volume.h"
 #include "media/image.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "interchange/vdb_volume.h"
-#include "interchange/vdb_writer.h"
+#include "interchange/volume/vdb_volume.h"
+#include "interchange/volume/vdb_writer.h"
 #include "reference/hh.h"
 #include "reference/slice.h"
 #include "support/input_error.h"

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "interchange/frame_volume.h"
-#include "interchange/triangle_mesh.h"
+#include "interchange/mesh/triangle_mesh.h"
+#include "interchange/volume/frame_volume.h"
 
 namespace neuvv::test {
 

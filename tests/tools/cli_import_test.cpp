@@ -1,7 +1,7 @@
 // neuvv import on the command line: frames that neuvv export wrote become a clip again.
 #include <gtest/gtest.h>
 
-#include "interchange/splat_ply.h"
+#include "interchange/splats/splat_ply.h"
 #include "tests/tools/cli_gpu.h"
 
 namespace neuvv {

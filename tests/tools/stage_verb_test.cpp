@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "interchange/splat_gltf.h"
-#include "interchange/usd_xform.h"
+#include "interchange/splats/splat_gltf.h"
+#include "interchange/usd/usd_xform.h"
 #include "stage/evaluated_stage.h"
 #include "stage/stage.h"
 #include "support/input_error.h"

@@ -6,11 +6,11 @@
 
 #include "base/error.h"
 #include "base/platform.h"
-#include "interchange/splat_image.h"
-#include "interchange/splat_ply.h"
-#include "interchange/still_tree.h"
-#include "interchange/vdb_volume.h"
-#include "interchange/voxelise.h"
+#include "interchange/splats/splat_image.h"
+#include "interchange/splats/splat_ply.h"
+#include "interchange/splats/voxelise.h"
+#include "interchange/volume/still_tree.h"
+#include "interchange/volume/vdb_volume.h"
 #include "tools/options.h"
 
 namespace neuvv::tools {

@@ -3,8 +3,8 @@
 
 #include "base/error.h"
 #include "base/output_path.h"
-#include "interchange/camera_gltf.h"
-#include "interchange/camera_usd.h"
+#include "interchange/stage/camera_gltf.h"
+#include "interchange/stage/camera_usd.h"
 #include "stage/evaluated_stage.h"
 #include "tools/export/stage_kinds.h"
 #include "tools/options.h"

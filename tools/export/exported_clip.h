@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "interchange/frame_volume.h"
+#include "interchange/volume/frame_volume.h"
 #include "tools/publish/published_scene.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/world_frame.h"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "interchange/clip_mesh.h"
+#include "interchange/mesh/clip_mesh.h"
 #include "tools/commands.h"
 #include "voctree/files/plenoctree.h"
 

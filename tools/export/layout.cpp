@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/output_path.h"
-#include "interchange/stage_usd.h"
+#include "interchange/stage/stage_usd.h"
 #include "stage/evaluated_stage.h"
 #include "tools/export/stage_kinds.h"
 #include "tools/results.h"

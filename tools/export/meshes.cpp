@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "interchange/mesh_files.h"
-#include "interchange/mesh_gltf.h"
-#include "interchange/mesh_loss.h"
+#include "interchange/mesh/mesh_files.h"
+#include "interchange/mesh/mesh_gltf.h"
+#include "interchange/mesh/mesh_loss.h"
 #include "tools/compared_views.h"
 #include "tools/export/exported_clip.h"
 #include "tools/export/frame_export.h"

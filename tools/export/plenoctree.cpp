@@ -1,5 +1,5 @@
 // Frames as PlenOctrees: .npz of svox and volrend.
-#include "interchange/plenoctree_npz.h"
+#include "interchange/volume/plenoctree_npz.h"
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "interchange/fit_splats.h"
-#include "interchange/shown_leaves.h"
+#include "interchange/splats/fit_splats.h"
+#include "interchange/splats/shown_leaves.h"
 #include "tools/compared_views.h"
 #include "tools/options.h"
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "gpu/device.h"
-#include "interchange/splats.h"
+#include "interchange/splats/splats.h"
 #include "tools/export/exported_clip.h"
 #include "tools/export/frame_export.h"
 

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "interchange/splat_gltf.h"
-#include "interchange/splat_ply.h"
-#include "interchange/splat_usd.h"
+#include "interchange/splats/splat_gltf.h"
+#include "interchange/splats/splat_ply.h"
+#include "interchange/splats/splat_usd.h"
 #include "tools/export/splat_fit.h"
 
 namespace neuvv::tools {

@@ -1,5 +1,5 @@
 // Stages for programs that know no clips: splats stand in for performers.
-#include "interchange/stand_ins.h"
+#include "interchange/stage/stand_ins.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/output_path.h"
-#include "interchange/splat_gltf.h"
+#include "interchange/splats/splat_gltf.h"
 #include "stage/evaluated_stage.h"
 #include "tools/export/export_run.h"
 #include "tools/export/splat_fit.h"

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "base/text.h"
-#include "interchange/camera_usd.h"
+#include "interchange/stage/camera_usd.h"
 #include "stage/camera_path_json.h"
 #include "stage/evaluated_stage.h"
 #include "training/data/camera_path_formats.h"
