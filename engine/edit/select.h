@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "render/volume/paint.h"
+#include "render/volume/slices/paint.h"
 #include "voctree/frame_leaves.h"
 #include "voctree/temporal_basis.h"
 

@@ -5,7 +5,7 @@
 // array is first_child + popcount(mask bits below it). An entry with kLeafBit set is the index of a leaf, else of a
 // node. A leaf of the node's upper level (twice the cell's edge) fills all eight cells of its octant with the same
 // entry; on the device, such a wide octant has only one entry, and the node's `wide` marks it
-// (render/volume/walk_tree.h).
+// (render/volume/slices/walk_tree.h).
 #ifndef NEUVV_SHARED_TREE_H
 #define NEUVV_SHARED_TREE_H
 #include "shared/types.h"

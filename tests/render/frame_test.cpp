@@ -168,8 +168,8 @@ TEST_F(FrameTest, TraceAndDirectMatchTheReferenceInEveryPixel) {
     }
 }
 
-// Where most leaves are at odd depths, the walk tree has another root (render/volume/walk_tree.h), also where levels
-// are unused.
+// Where most leaves are at odd depths, the walk tree has another root (render/volume/slices/walk_tree.h), also where
+// levels are unused.
 TEST_F(FrameTest, ATreeOfOddDepthsMatchesTheReference) {
     for (const uint32_t node_levels : {2u, 3u, 5u}) {
         voctree::VOctree tree = random_tree({.seed = 7, .node_levels = node_levels, .leaves = 300 * (node_levels - 1)});

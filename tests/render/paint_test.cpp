@@ -1,5 +1,5 @@
 // Paint on slice trees against the reference, entry by entry; and images of painted and unpainted instances.
-#include "render/volume/paint.h"
+#include "render/volume/slices/paint.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The slice passes against the reference: σ, SH coefficients, slots.
-#include "render/volume/slice.h"
+#include "render/volume/slices/slice.h"
 #include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>

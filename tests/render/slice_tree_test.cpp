@@ -1,5 +1,5 @@
 // The slice tree against the reference's slice: live cells and their entries; and the ranges of tiles.
-#include "render/volume/slice_tree.h"
+#include "render/volume/slices/slice_tree.h"
 #include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>

@@ -4,8 +4,8 @@
 
 #include "media/colour.h"
 #include "reference/trace.h"
-#include "render/volume/paint.h"
 #include "render/volume/reference_paths.h"
+#include "render/volume/slices/paint.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"

@@ -7,7 +7,7 @@
 
 #include "gpu/host_copies.h"
 #include "reference/slice.h"
-#include "render/volume/slice_tree.h"
+#include "render/volume/slices/slice_tree.h"
 #include "voctree/files/half.h"
 
 namespace neuvv::test {

@@ -3,7 +3,7 @@
 // leaves, as SVRaster does.
 #pragma once
 
-#include "render/volume/slice_tree.h"
+#include "render/volume/slices/slice_tree.h"
 #include "render/volume/trace.h"
 #include "tools/bench/pair_sort.h"
 

@@ -5,7 +5,7 @@
 
 #include "base/platform.h"
 #include "gpu/host_copies.h"
-#include "render/volume/slice_tree.h"
+#include "render/volume/slices/slice_tree.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"
 #include "voctree/files/clip.h"

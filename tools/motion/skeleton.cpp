@@ -12,7 +12,7 @@
 #include "motion/skeleton/skeleton_file.h"
 #include "motion/video/triangulate.h"
 #include "render/frame/frame.h"
-#include "render/volume/field.h"
+#include "render/volume/slices/field.h"
 #include "tools/commands.h"
 #include "tools/image_drawing.h"
 #include "tools/motion/skeleton_verbs.h"

@@ -9,7 +9,7 @@
 
 #include "base/file_lock.h"
 #include "edit/operations.h"
-#include "render/volume/slice_cache.h"
+#include "render/volume/slices/slice_cache.h"
 #include "stage/stage.h"
 #include "tools/commands.h"
 

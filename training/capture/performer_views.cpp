@@ -12,7 +12,7 @@
 #include "base/threads/workers.h"
 #include "media/image.h"
 #include "render/frame/frame.h"
-#include "render/volume/field.h"
+#include "render/volume/slices/field.h"
 #include "training/capture/capture_files.h"
 #include "voctree/files/occupied_box.h"
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "render/volume/field.h"
+#include "render/volume/slices/field.h"
 #include "training/data/dataset.h"
 #include "training/evaluation/metrics.h"
 

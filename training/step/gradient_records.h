@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "render/volume/slice.h"
+#include "render/volume/slices/slice.h"
 #include "training/step/team.h"
 #include "training/step/trace_adjoint.h"
 

@@ -1,7 +1,7 @@
 // The adjoint of slice, and the optimiser: it moves the weights of leaves that rays touched, and the rows of A and B.
 #pragma once
 
-#include "render/volume/slice.h"
+#include "render/volume/slices/slice.h"
 #include "shared/training.h"
 #include "training/step/trace_adjoint.h"
 #include "training/tree/leaf_use.h"

@@ -1,7 +1,7 @@
 // Lists the slots that the rays of a step touched. The passes after it run over those alone.
 #pragma once
 
-#include "render/volume/slice.h"
+#include "render/volume/slices/slice.h"
 #include "training/step/trace_adjoint.h"
 
 namespace neuvv::training {

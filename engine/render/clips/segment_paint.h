@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/file_stamp.h"
-#include "render/volume/paint.h"
+#include "render/volume/slices/paint.h"
 #include "voctree/files/clip_index.h"
 
 namespace neuvv::render {

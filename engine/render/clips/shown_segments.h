@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "render/volume/field.h"
 #include "render/volume/performer.h"
+#include "render/volume/slices/field.h"
 #include "voctree/files/clip_index.h"
 
 namespace neuvv::render {

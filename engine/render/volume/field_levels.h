@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "render/volume/field.h"
+#include "render/volume/slices/field.h"
 #include "stage/camera.h"
 
 namespace neuvv::render {

@@ -5,7 +5,7 @@
 #include <array>
 #include <span>
 
-#include "render/volume/slice_tree.h"
+#include "render/volume/slices/slice_tree.h"
 #include "shared/highlight.h"
 
 namespace neuvv::render {

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "render/rays/resolve.h"
-#include "render/volume/field.h"
+#include "render/volume/slices/field.h"
 #include "shared/inspect.h"
 
 namespace neuvv::render {

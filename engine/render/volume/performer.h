@@ -8,7 +8,7 @@
 #include "render/volume/highlight.h"
 #include "render/volume/pick.h"
 #include "render/volume/shade.h"
-#include "render/volume/slice_cache.h"
+#include "render/volume/slices/slice_cache.h"
 #include "render/volume/tile_range.h"
 #include "render/volume/trace_tree.h"
 

@@ -1,8 +1,8 @@
 // Picking on a performer: where rays meet its surface at one time, with its paint.
 #pragma once
 
-#include "render/volume/field.h"
-#include "render/volume/slice_tree.h"
+#include "render/volume/slices/field.h"
+#include "render/volume/slices/slice_tree.h"
 #include "shared/pick.h"
 #include "stage/camera.h"
 

@@ -1,7 +1,7 @@
 // Shade: one colour for each leaf of a slice tree, as it looks from one eye.
 #pragma once
 
-#include "render/volume/slice_tree.h"
+#include "render/volume/slices/slice_tree.h"
 
 namespace neuvv::render {
 

@@ -3,7 +3,7 @@
 
 #include "render/rays/tile_ranges.h"
 #include "render/rays/view_layout.h"
-#include "render/volume/slice_tree.h"
+#include "render/volume/slices/slice_tree.h"
 
 namespace neuvv::render {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "render/rays/ray_batch.h"
-#include "render/volume/field.h"
-#include "render/volume/slice.h"
+#include "render/volume/slices/field.h"
+#include "render/volume/slices/slice.h"
 
 namespace neuvv::render {
 

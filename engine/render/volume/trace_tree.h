@@ -2,7 +2,7 @@
 #pragma once
 
 #include "render/volume/segments.h"
-#include "render/volume/slice_tree.h"
+#include "render/volume/slices/slice_tree.h"
 
 namespace neuvv::render {
 

@@ -1,4 +1,4 @@
-#include "render/volume/slice.h"
+#include "render/volume/slices/slice.h"
 
 #include <fmt/format.h>
 

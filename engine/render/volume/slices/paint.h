@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "render/volume/slice.h"
+#include "render/volume/slices/slice.h"
 #include "shared/paint.h"
 #include "stage/performer_settings.h"
 #include "voctree/paint.h"

@@ -1,4 +1,4 @@
-#include "render/volume/paint.h"
+#include "render/volume/slices/paint.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "gpu/host_copies.h"
-#include "render/volume/slice_tree.h"
+#include "render/volume/slices/slice_tree.h"
 #include "voctree/files/half.h"
 
 #include "spirv/paint_colour.comp.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gpu/commands.h"
-#include "render/volume/field.h"
+#include "render/volume/slices/field.h"
 #include "shared/slice.h"
 
 namespace neuvv::render {

@@ -1,4 +1,4 @@
-#include "render/volume/field.h"
+#include "render/volume/slices/field.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "base/threads/parallel.h"
 #include "base/trace_file.h"
 #include "gpu/host_copies.h"
-#include "render/volume/walk_tree.h"
+#include "render/volume/slices/walk_tree.h"
 #include "voctree/files/half.h"
 
 namespace neuvv::render {

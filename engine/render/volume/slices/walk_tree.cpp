@@ -1,4 +1,4 @@
-#include "render/volume/walk_tree.h"
+#include "render/volume/slices/walk_tree.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "render/volume/slice_cache.h"
+#include "render/volume/slices/slice_cache.h"
 
 #include <fmt/format.h>
 

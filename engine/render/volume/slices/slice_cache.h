@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "render/volume/slice_tree.h"
+#include "render/volume/slices/slice_tree.h"
 
 namespace neuvv::render {
 

@@ -1,4 +1,4 @@
-#include "render/volume/slice_tree.h"
+#include "render/volume/slices/slice_tree.h"
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 // its entries hold σ and SH in the order in which a walk finds them. The device builds it.
 #pragma once
 
-#include "render/volume/paint.h"
-#include "render/volume/slice.h"
+#include "render/volume/slices/paint.h"
+#include "render/volume/slices/slice.h"
 #include "shared/slice_tree.h"
 
 namespace neuvv::render {
