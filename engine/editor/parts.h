@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/threads/job_queue.h"
+#include "editor/draw/render_thread.h"
 #include "editor/editor.h"
-#include "editor/render_thread.h"
 
 namespace neuvv::editor {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "base/box.h"
+#include "editor/draw/set_surface.h"
 #include "editor/pointer.h"
-#include "editor/set_surface.h"
 
 namespace neuvv::editor {
 

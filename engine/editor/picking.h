@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "editor/render_thread.h"
+#include "editor/draw/render_thread.h"
 
 namespace neuvv::editor {
 

@@ -1,4 +1,4 @@
-#include "editor/device_losses.h"
+#include "editor/draw/device_losses.h"
 
 #include <gtest/gtest.h>
 

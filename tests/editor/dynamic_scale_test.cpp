@@ -1,4 +1,4 @@
-#include "editor/dynamic_scale.h"
+#include "editor/draw/dynamic_scale.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The edits of painting operations on selected leaves: the same as those of edit/, at the frames of the operation.
-#include "editor/paint_operation.h"
+#include "editor/paint/paint_operation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Painting in pieces, as the viewer does while the hand moves, gives the same as painting at once by edit/.
-#include "editor/paint_session.h"
+#include "editor/paint/paint_session.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // Painting the other segments of a clip by jobs: what is painted, as how many steps, and what may happen in between.
-#include "editor/paint_spread.h"
+#include "editor/paint/paint_spread.h"
 
 #include <gtest/gtest.h>
 

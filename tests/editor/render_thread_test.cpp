@@ -1,5 +1,5 @@
 // Errors that end the render thread, and errors that it only reports.
-#include "editor/render_thread.h"
+#include "editor/draw/render_thread.h"
 
 #include <chrono>
 #include <functional>

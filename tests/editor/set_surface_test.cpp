@@ -1,5 +1,5 @@
 // Where rays meet a set: against every triangle in the world, one after the other.
-#include "editor/set_surface.h"
+#include "editor/draw/set_surface.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "editor/dynamic_scale.h"
+#include "editor/draw/dynamic_scale.h"
 #include "tools/headset/drawn_share.h"
 #include "xr/eye_camera.h"
 #include "xr/eye_pass.h"

@@ -15,8 +15,8 @@
 #include <optional>
 
 #include "base/threads/job_queue.h"
-#include "editor/paint_session.h"
-#include "editor/paint_spread.h"
+#include "editor/paint/paint_session.h"
+#include "editor/paint/paint_spread.h"
 #include "tools/headset/hand.h"
 #include "tools/headset/headset_state.h"
 

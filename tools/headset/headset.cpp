@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "editor/device_losses.h"
+#include "editor/draw/device_losses.h"
 #include "tools/headset/session_context.h"
 #include "tools/headset/sound.h"
 #include "tools/options.h"

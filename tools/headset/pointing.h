@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "editor/set_surface.h"
+#include "editor/draw/set_surface.h"
 #include "tools/headset/hand.h"
 #include "tools/headset/headset_state.h"
 #include "tools/headset/panel_placement.h"

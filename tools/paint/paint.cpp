@@ -11,7 +11,7 @@
 #include "base/formats/json.h"
 #include "base/output_path.h"
 #include "base/platform.h"
-#include "editor/paint_carrier.h"
+#include "editor/paint/paint_carrier.h"
 #include "tools/commands.h"
 #include "tools/paint/paint.h"
 #include "tools/report.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "editor/paint_session.h"
+#include "editor/paint/paint_session.h"
 #include "stage/evaluated_stage.h"
 #include "tools/command_line.h"
 #include "tools/options.h"

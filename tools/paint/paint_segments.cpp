@@ -6,7 +6,7 @@
 #include <unordered_set>
 
 #include "base/error.h"
-#include "editor/paint_carrier.h"
+#include "editor/paint/paint_carrier.h"
 #include "tools/commands.h"
 #include "tools/paint/paint.h"
 #include "tools/report.h"

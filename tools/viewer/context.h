@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "base/threads/job_queue.h"
+#include "editor/draw/render_thread.h"
 #include "editor/editor.h"
 #include "editor/parts.h"
-#include "editor/render_thread.h"
 #include "tools/viewer/frame_input.h"
 #include "tools/viewer/report.h"
 #include "tools/viewer/view_state.h"

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "editor/blocks.h"
+#include "editor/draw/blocks.h"
 #include "media/image_sink.h"
 
 namespace neuvv::viewer {

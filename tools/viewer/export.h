@@ -10,7 +10,7 @@
 #include <stop_token>
 #include <string>
 
-#include "editor/render_thread.h"
+#include "editor/draw/render_thread.h"
 #include "media/image_sink.h"
 #include "tools/viewer/export_sound.h"
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "editor/render_thread.h"
+#include "editor/draw/render_thread.h"
 #include "stage/evaluated_stage.h"
 #include "tools/ui/window.h"
 #include "tools/viewer/tools/navigation.h"

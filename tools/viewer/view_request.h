@@ -1,7 +1,7 @@
 // What the render thread is asked to draw for the window's state.
 #pragma once
 
-#include "editor/render_thread.h"
+#include "editor/draw/render_thread.h"
 #include "tools/viewer/frame_input.h"
 #include "tools/viewer/view_state.h"
 

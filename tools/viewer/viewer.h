@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/platform.h"
-#include "editor/device_losses.h"
+#include "editor/draw/device_losses.h"
 #include "editor/shader_watch.h"
 #include "editor/sound_player.h"
 #include "editor/waveforms.h"

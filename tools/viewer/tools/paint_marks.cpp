@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "editor/paint_task.h"
+#include "editor/paint/paint_task.h"
 #include "editor/pointer.h"
 #include "media/colour.h"
 #include "render/volume/trace.h"

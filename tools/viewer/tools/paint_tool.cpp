@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "editor/paint_task.h"
+#include "editor/paint/paint_task.h"
 #include "editor/pointer.h"
 #include "render/volume/trace.h"
 #include "tools/ui/icons.h"

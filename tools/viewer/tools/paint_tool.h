@@ -11,8 +11,8 @@
 #include <set>
 
 #include "edit/paint_layers.h"
-#include "editor/paint_session.h"
-#include "editor/paint_spread.h"
+#include "editor/paint/paint_session.h"
+#include "editor/paint/paint_spread.h"
 #include "tools/viewer/tools/tool.h"
 
 namespace neuvv::viewer {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "editor/paint_surface.h"
+#include "editor/paint/paint_surface.h"
 #include "editor/parts.h"
 
 namespace neuvv::editor {

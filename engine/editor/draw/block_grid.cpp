@@ -1,4 +1,4 @@
-#include "editor/block_grid.h"
+#include "editor/draw/block_grid.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "editor/paint_carrier.h"
+#include "editor/paint/paint_carrier.h"
 
 #include <algorithm>
 #include <unordered_set>

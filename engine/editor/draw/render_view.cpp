@@ -3,8 +3,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "editor/blocks.h"
-#include "editor/render_thread.h"
+#include "editor/draw/blocks.h"
+#include "editor/draw/render_thread.h"
 
 namespace neuvv::editor {
 

@@ -1,4 +1,4 @@
-#include "editor/paint_task.h"
+#include "editor/paint/paint_task.h"
 
 #include "base/error.h"
 

@@ -1,4 +1,4 @@
-#include "editor/paint_session.h"
+#include "editor/paint/paint_session.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "editor/render_thread.h"
+#include "editor/draw/render_thread.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "editor/paint_operation.h"
+#include "editor/paint/paint_operation.h"
 
 #include <algorithm>
 #include <map>

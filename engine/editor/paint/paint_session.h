@@ -8,9 +8,9 @@
 
 #include <filesystem>
 
-#include "editor/paint_operation.h"
-#include "editor/paint_place.h"
-#include "editor/paint_surface.h"
+#include "editor/paint/paint_operation.h"
+#include "editor/paint/paint_place.h"
+#include "editor/paint/paint_surface.h"
 
 namespace neuvv::editor {
 

@@ -18,8 +18,8 @@
 #include <thread>
 
 #include "edit/edited_stage.h"
-#include "editor/block_grid.h"
-#include "editor/dynamic_scale.h"
+#include "editor/draw/block_grid.h"
+#include "editor/draw/dynamic_scale.h"
 #include "render/clips/clip_preload.h"
 #include "render/clips/stage_renderer.h"
 

@@ -1,4 +1,4 @@
-#include "editor/paint_surface.h"
+#include "editor/paint/paint_surface.h"
 
 #include "base/error.h"
 

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "editor/paint_surface.h"
+#include "editor/paint/paint_surface.h"
 #include "voctree/files/clip_index.h"
 
 namespace neuvv::editor {

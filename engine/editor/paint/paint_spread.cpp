@@ -1,4 +1,4 @@
-#include "editor/paint_spread.h"
+#include "editor/paint/paint_spread.h"
 
 #include <fmt/format.h>
 

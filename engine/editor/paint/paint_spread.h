@@ -7,9 +7,9 @@
 
 #include "base/threads/job_queue.h"
 #include "editor/editor.h"
-#include "editor/paint_carrier.h"
-#include "editor/paint_operation.h"
-#include "editor/paint_place.h"
+#include "editor/paint/paint_carrier.h"
+#include "editor/paint/paint_operation.h"
+#include "editor/paint/paint_place.h"
 
 namespace neuvv::editor {
 

@@ -1,4 +1,4 @@
-#include "editor/set_surface.h"
+#include "editor/draw/set_surface.h"
 
 #include <algorithm>
 #include <cmath>
