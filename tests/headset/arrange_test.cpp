@@ -1,5 +1,5 @@
 // Boxes, copies and the floor, for performers with floaters.
-#include "tools/headset/arrange.h"
+#include "tools/headset/state/arrange.h"
 
 #include "headset/hands_at_a_stage.h"
 #include "tools/headset/program.h"

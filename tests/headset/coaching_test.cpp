@@ -1,12 +1,12 @@
 // Coaching in the headset without one: the trainer's turn, the clock's speed, and the panel's page.
-#include "tools/headset/coaching.h"
+#include "tools/headset/state/coaching.h"
 
 #include <imgui.h>
 
 #include "headset/hands_at_a_stage.h"
 #include "motion/skeleton/skeleton_file.h"
 #include "support/trainer_figure.h"
-#include "tools/headset/panel.h"
+#include "tools/headset/panel/panel.h"
 #include "tools/ui/theme.h"
 
 namespace neuvv::test {

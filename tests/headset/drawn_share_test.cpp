@@ -1,5 +1,5 @@
 // How much of an eye's image is drawn: it shrinks at once, grows late, and does not flicker.
-#include "tools/headset/drawn_share.h"
+#include "tools/headset/draw/drawn_share.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Painting in the air: which leaves a stroke touches, and that no stroke is lost or stuck, whatever hands and files do.
-#include "tools/headset/hand_painter.h"
+#include "tools/headset/hands/hand_painter.h"
 
 #include <fstream>
 #include <set>
@@ -10,7 +10,7 @@
 #include "gpu/device.h"
 #include "headset/hands_at_a_stage.h"
 #include "support/segmented_copy.h"
-#include "tools/headset/pictures.h"
+#include "tools/headset/draw/pictures.h"
 
 namespace neuvv::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/headset/hand_shapes.h"
+#include "tools/headset/hands/hand_shapes.h"
 
 #include "headset/hands_at_a_stage.h"
 

@@ -10,7 +10,7 @@
 #include "edit/operations.h"
 #include "support/figure.h"
 #include "support/temporary_folder.h"
-#include "tools/headset/interaction.h"
+#include "tools/headset/hands/interaction.h"
 #include "voctree/files/nvv.h"
 
 namespace neuvv::test {

@@ -1,7 +1,7 @@
-#include "tools/headset/interaction.h"
+#include "tools/headset/hands/interaction.h"
 
 #include "headset/hands_at_a_stage.h"
-#include "tools/headset/arrange.h"
+#include "tools/headset/state/arrange.h"
 
 namespace neuvv::test {
 namespace {

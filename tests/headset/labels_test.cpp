@@ -1,5 +1,5 @@
 // Hints at the controllers: what they say, and where they are.
-#include "tools/headset/labels.h"
+#include "tools/headset/hands/labels.h"
 
 #include "headset/hands_at_a_stage.h"
 

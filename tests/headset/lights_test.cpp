@@ -3,9 +3,9 @@
 
 #include "edit/light_values.h"
 #include "headset/panel_at_a_stage.h"
-#include "tools/headset/hand_shapes.h"
-#include "tools/headset/labels.h"
-#include "tools/headset/markers.h"
+#include "tools/headset/draw/markers.h"
+#include "tools/headset/hands/hand_shapes.h"
+#include "tools/headset/hands/labels.h"
 
 namespace neuvv::test {
 namespace {

@@ -1,12 +1,12 @@
 // Opening another stage or clip in place of the document.
-#include "tools/headset/next_document.h"
+#include "tools/headset/state/next_document.h"
 
 #include <fstream>
 
 #include "headset/panel_at_a_stage.h"
 #include "support/environment_value.h"
-#include "tools/headset/arrange.h"
 #include "tools/headset/program.h"
+#include "tools/headset/state/arrange.h"
 
 namespace neuvv::test {
 namespace {

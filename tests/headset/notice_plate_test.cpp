@@ -1,9 +1,9 @@
 // Notices in view, and how errors are felt.
-#include "tools/headset/notice_plate.h"
+#include "tools/headset/draw/notice_plate.h"
 
 #include <gtest/gtest.h>
 
-#include "tools/headset/label_font.h"
+#include "tools/headset/draw/label_font.h"
 
 namespace neuvv::test {
 namespace {

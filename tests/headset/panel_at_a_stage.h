@@ -6,9 +6,9 @@
 #include <cfloat>
 
 #include "headset/hands_at_a_stage.h"
-#include "tools/headset/coaching.h"
-#include "tools/headset/panel.h"
-#include "tools/headset/panel_surface.h"
+#include "tools/headset/panel/panel.h"
+#include "tools/headset/panel/panel_surface.h"
+#include "tools/headset/state/coaching.h"
 #include "tools/ui/theme.h"
 
 namespace neuvv::test {

@@ -1,5 +1,5 @@
 // The panel: where it opens, and where its rows are. It is drawn without a device.
-#include "tools/headset/panel.h"
+#include "tools/headset/panel/panel.h"
 
 #include "headset/panel_at_a_stage.h"
 

@@ -1,5 +1,5 @@
 // What the panel does with performers: life size, hiding, adding; and the numbers of files.
-#include "tools/headset/performer_edits.h"
+#include "tools/headset/state/performer_edits.h"
 
 #include <fstream>
 

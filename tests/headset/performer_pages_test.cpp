@@ -1,8 +1,8 @@
 // The panel's pages about the selected performer: its copies, its time, and what paints it.
 #include "edit/tracks.h"
 #include "headset/panel_at_a_stage.h"
-#include "tools/headset/arrange.h"
-#include "tools/headset/hand_shapes.h"
+#include "tools/headset/hands/hand_shapes.h"
+#include "tools/headset/state/arrange.h"
 
 namespace neuvv::test {
 namespace {

@@ -1,5 +1,5 @@
 // What pointer rays take: surfaces, and boxes only where a ray meets no surface.
-#include "tools/headset/pointing.h"
+#include "tools/headset/hands/pointing.h"
 
 #include "headset/hands_at_a_stage.h"
 

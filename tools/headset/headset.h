@@ -12,7 +12,7 @@
 #include <string>
 
 #include "editor/document_saver.h"
-#include "tools/headset/eye_images.h"
+#include "tools/headset/draw/eye_images.h"
 
 namespace neuvv::headset {
 

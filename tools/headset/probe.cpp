@@ -6,7 +6,7 @@
 #include <chrono>
 #include <thread>
 
-#include "tools/headset/eye_images.h"
+#include "tools/headset/draw/eye_images.h"
 #include "xr/actions.h"
 #include "xr/eye_camera.h"
 #include "xr/hand_tracking.h"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/trace_file.h"
-#include "tools/headset/eye_images.h"
+#include "tools/headset/draw/eye_images.h"
 
 namespace neuvv::headset {
 

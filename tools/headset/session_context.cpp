@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/headset/hand_shapes.h"
-#include "tools/headset/next_document.h"
-#include "tools/headset/panel.h"
-#include "tools/headset/performer_edits.h"
+#include "tools/headset/hands/hand_shapes.h"
+#include "tools/headset/panel/panel.h"
 #include "tools/headset/sound.h"
+#include "tools/headset/state/next_document.h"
+#include "tools/headset/state/performer_edits.h"
 
 namespace neuvv::headset {
 

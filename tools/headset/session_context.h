@@ -4,10 +4,10 @@
 #include <memory>
 #include <optional>
 
-#include "tools/headset/labels.h"
-#include "tools/headset/mirror.h"
-#include "tools/headset/panel.h"
-#include "tools/headset/panel_surface.h"
+#include "tools/headset/draw/mirror.h"
+#include "tools/headset/hands/labels.h"
+#include "tools/headset/panel/panel.h"
+#include "tools/headset/panel/panel_surface.h"
 #include "tools/headset/runtime_context.h"
 #include "tools/headset/wearer.h"
 #include "xr/actions.h"

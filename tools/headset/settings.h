@@ -11,8 +11,8 @@
 #pragma once
 
 #include "editor/preference_file.h"
-#include "tools/headset/headset_state.h"
-#include "tools/headset/performer_grab.h"
+#include "tools/headset/hands/performer_grab.h"
+#include "tools/headset/state/headset_state.h"
 
 namespace neuvv::headset {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "editor/sound_player.h"
-#include "tools/headset/headset_state.h"
+#include "tools/headset/state/headset_state.h"
 #include "xr/locomotion.h"
 
 namespace neuvv::headset {

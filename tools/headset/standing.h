@@ -1,7 +1,7 @@
 // Where the user stands on the stage: at the beginning, and after the tracking space was centred anew.
 #pragma once
 
-#include "tools/headset/headset_state.h"
+#include "tools/headset/state/headset_state.h"
 #include "xr/session.h"
 
 namespace neuvv::headset {
