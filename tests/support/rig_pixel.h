@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "media/image.h"
-#include "training/data/layouts/rig.h"
+#include "training/data/layouts/rig/rig.h"
 
 namespace neuvv::test {
 

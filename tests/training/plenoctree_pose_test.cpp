@@ -6,7 +6,7 @@
 #include "reference/trace.h"
 #include "support/n3_tree.h"
 #include "support/temporary_folder.h"
-#include "training/data/layouts/transforms.h"
+#include "training/data/layouts/rig/transforms.h"
 #include "voctree/files/plenoctree.h"
 
 namespace neuvv::test {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "media/image.h"
-#include "training/data/layouts/rig.h"
+#include "training/data/layouts/rig/rig.h"
 
 namespace neuvv::tools {
 

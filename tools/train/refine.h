@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "training/data/layouts/rig.h"
+#include "training/data/layouts/rig/rig.h"
 #include "training/run/rig_search.h"
 
 namespace neuvv::tools {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "stage/camera_path.h"
-#include "training/data/layouts/transforms.h"
+#include "training/data/layouts/rig/transforms.h"
 
 namespace neuvv::training {
 

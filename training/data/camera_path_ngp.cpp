@@ -7,7 +7,7 @@
 #include "base/output_path.h"
 #include "training/data/camera_path_file.h"
 #include "training/data/camera_path_formats.h"
-#include "training/data/layouts/json_pose.h"
+#include "training/data/layouts/rig/json_pose.h"
 
 namespace neuvv::training {
 

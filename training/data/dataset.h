@@ -48,13 +48,13 @@ struct Dataset {
     std::vector<std::string> remarks = {};  // what the loader of the layout decided by itself
 };
 
-// Only some layouts have kVal. kAll is what loaders read where the user holds out cameras (layouts/holdout.h): training
-// and test.
+// Only some layouts have kVal. kAll is what loaders read where the user holds out cameras (layouts/rig/holdout.h):
+// training and test.
 enum class Split { kTrain, kTest, kVal, kAll };
 
 struct LoadOptions {
     std::string format = "auto";  // one of format_names()
-    std::string holdout = {};     // which cameras are held out (layouts/holdout.h); empty: as the layout has it
+    std::string holdout = {};     // which cameras are held out (layouts/rig/holdout.h); empty: as the layout has it
     bool mattes_needed = true;    // false: images without a matte are taken as they are
     bool may_be_empty = false;    // whether it is right that no image shows anything, as before the performer enters
     uint64_t memory_bytes = 0;    // memory that images may take (0: image_budget()); those beyond it lie on disk

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "training/data/layouts/rig.h"
+#include "training/data/layouts/rig/rig.h"
 #include "training/data/matte.h"
 
 namespace neuvv::training {

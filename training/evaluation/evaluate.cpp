@@ -8,7 +8,7 @@
 
 #include "render/clips/shown_segments.h"
 #include "render/frame/frame.h"
-#include "training/data/layouts/camera_names.h"
+#include "training/data/layouts/rig/camera_names.h"
 #include "voctree/files/clip.h"
 
 namespace neuvv::training {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "training/data/layouts/rig.h"
+#include "training/data/layouts/rig/rig.h"
 #include "training/rig/rig_changes.h"
 #include "training/step/camera_colour.h"
 

@@ -1,5 +1,5 @@
 // Data sets in which one of several files counts, names of other systems, and hidden files.
-#include "training/data/layouts/candidates.h"
+#include "training/data/layouts/rig/candidates.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@
 #include "support/input_error.h"
 #include "support/rig_pixel.h"
 #include "support/temporary_folder.h"
-#include "training/data/layouts/camera_folders.h"
 #include "training/data/layouts/formats.h"
+#include "training/data/layouts/rig/camera_folders.h"
 
 namespace neuvv {
 namespace {

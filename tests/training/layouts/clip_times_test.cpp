@@ -1,5 +1,5 @@
 // Frames of several videos by their times.
-#include "training/data/layouts/clip_times.h"
+#include "training/data/layouts/rig/clip_times.h"
 
 #include <gtest/gtest.h>
 

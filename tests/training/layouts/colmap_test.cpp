@@ -12,8 +12,8 @@
 #include "support/colmap_files.h"
 #include "support/input_error.h"
 #include "support/rig_pixel.h"
-#include "training/data/layouts/camera_folders.h"
 #include "training/data/layouts/formats.h"
+#include "training/data/layouts/rig/camera_folders.h"
 
 namespace neuvv {
 namespace {

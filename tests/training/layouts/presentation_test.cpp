@@ -1,5 +1,5 @@
 // What image files and videos say about how they are shown, and when, as data sets take it.
-#include "training/data/layouts/presentation.h"
+#include "training/data/layouts/rig/presentation.h"
 
 #include <gtest/gtest.h>
 

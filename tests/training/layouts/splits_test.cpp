@@ -9,7 +9,7 @@
 #include "support/rig_pixel.h"
 #include "training/data/dataset.h"
 #include "training/data/layouts/formats.h"
-#include "training/data/layouts/holdout.h"
+#include "training/data/layouts/rig/holdout.h"
 #include "training/data/make_mattes.h"
 
 namespace neuvv {

@@ -1,5 +1,5 @@
 // Captures far from the origin, very small and very large ones.
-#include "training/data/layouts/world_of_rig.h"
+#include "training/data/layouts/rig/world_of_rig.h"
 
 #include <gtest/gtest.h>
 

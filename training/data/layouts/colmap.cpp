@@ -7,10 +7,10 @@
 
 #include "base/error.h"
 #include "training/data/image_reader.h"
-#include "training/data/layouts/calibration.h"
-#include "training/data/layouts/camera_folders.h"
-#include "training/data/layouts/candidates.h"
 #include "training/data/layouts/colmap_model.h"
+#include "training/data/layouts/rig/calibration.h"
+#include "training/data/layouts/rig/camera_folders.h"
+#include "training/data/layouts/rig/candidates.h"
 
 namespace neuvv::training {
 

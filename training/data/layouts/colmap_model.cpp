@@ -12,8 +12,8 @@
 
 #include "base/error.h"
 #include "base/platform.h"
-#include "training/data/layouts/calibration.h"
-#include "training/data/layouts/candidates.h"
+#include "training/data/layouts/rig/calibration.h"
+#include "training/data/layouts/rig/candidates.h"
 
 namespace neuvv::training {
 

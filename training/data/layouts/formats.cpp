@@ -5,11 +5,11 @@
 #include <map>
 
 #include "base/error.h"
-#include "training/data/layouts/holdout.h"
 #include "training/data/layouts/loaders.h"
-#include "training/data/layouts/plates.h"
-#include "training/data/layouts/presentation.h"
-#include "training/data/layouts/world_of_rig.h"
+#include "training/data/layouts/rig/holdout.h"
+#include "training/data/layouts/rig/plates.h"
+#include "training/data/layouts/rig/presentation.h"
+#include "training/data/layouts/rig/world_of_rig.h"
 
 namespace neuvv::training {
 

@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-#include "training/data/layouts/rig.h"
+#include "training/data/layouts/rig/rig.h"
 
 namespace neuvv::training {
 

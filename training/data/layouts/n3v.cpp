@@ -9,9 +9,9 @@
 #include "base/error.h"
 #include "base/formats/npy.h"
 #include "media/image.h"
-#include "training/data/layouts/calibration.h"
-#include "training/data/layouts/camera_folders.h"
-#include "training/data/layouts/candidates.h"
+#include "training/data/layouts/rig/calibration.h"
+#include "training/data/layouts/rig/camera_folders.h"
+#include "training/data/layouts/rig/candidates.h"
 
 namespace neuvv::training {
 

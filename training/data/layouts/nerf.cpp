@@ -12,11 +12,11 @@
 #include "base/error.h"
 #include "media/image.h"
 #include "training/data/image_reader.h"
-#include "training/data/layouts/calibration.h"
-#include "training/data/layouts/camera_folders.h"
-#include "training/data/layouts/camera_names.h"
-#include "training/data/layouts/candidates.h"
-#include "training/data/layouts/transforms.h"
+#include "training/data/layouts/rig/calibration.h"
+#include "training/data/layouts/rig/camera_folders.h"
+#include "training/data/layouts/rig/camera_names.h"
+#include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/transforms.h"
 
 namespace neuvv::training {
 

@@ -10,10 +10,10 @@
 #include <span>
 
 #include "base/error.h"
-#include "training/data/layouts/calibration.h"
-#include "training/data/layouts/camera_folders.h"
-#include "training/data/layouts/candidates.h"
-#include "training/data/layouts/opencv_yaml.h"
+#include "training/data/layouts/rig/calibration.h"
+#include "training/data/layouts/rig/camera_folders.h"
+#include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/opencv_yaml.h"
 
 namespace neuvv::training {
 

@@ -9,10 +9,10 @@
 #include "base/formats/json.h"
 #include "media/image.h"
 #include "training/data/image_reader.h"
-#include "training/data/layouts/calibration.h"
-#include "training/data/layouts/camera_folders.h"
-#include "training/data/layouts/candidates.h"
-#include "training/data/layouts/json_pose.h"
+#include "training/data/layouts/rig/calibration.h"
+#include "training/data/layouts/rig/camera_folders.h"
+#include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/json_pose.h"
 
 namespace neuvv::training {
 

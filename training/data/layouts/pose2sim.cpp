@@ -16,10 +16,10 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "base/text.h"
-#include "training/data/layouts/calibration.h"
-#include "training/data/layouts/camera_folders.h"
-#include "training/data/layouts/candidates.h"
-#include "training/data/layouts/json_pose.h"
+#include "training/data/layouts/rig/calibration.h"
+#include "training/data/layouts/rig/camera_folders.h"
+#include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/json_pose.h"
 
 namespace neuvv::training {
 

@@ -1,4 +1,4 @@
-#include "training/data/layouts/opencv_yaml.h"
+#include "training/data/layouts/rig/opencv_yaml.h"
 
 #include <fmt/format.h>
 

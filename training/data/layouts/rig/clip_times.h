@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "media/video_times.h"
-#include "training/data/layouts/presentation.h"
+#include "training/data/layouts/rig/presentation.h"
 
 namespace neuvv::training {
 

@@ -1,4 +1,4 @@
-#include "training/data/layouts/camera_folders.h"
+#include "training/data/layouts/rig/camera_folders.h"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,9 @@
 #include "base/text.h"
 #include "media/video.h"
 #include "training/data/image_reader.h"
-#include "training/data/layouts/calibration.h"
-#include "training/data/layouts/candidates.h"
-#include "training/data/layouts/clip_times.h"
+#include "training/data/layouts/rig/calibration.h"
+#include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/clip_times.h"
 
 namespace neuvv::training {
 

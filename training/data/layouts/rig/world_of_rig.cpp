@@ -1,4 +1,4 @@
-#include "training/data/layouts/world_of_rig.h"
+#include "training/data/layouts/rig/world_of_rig.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
-#include "training/data/layouts/plates.h"
+#include "training/data/layouts/rig/plates.h"
 
 #include <fmt/format.h>
 
-#include "training/data/layouts/camera_folders.h"
+#include "training/data/layouts/rig/camera_folders.h"
 
 namespace neuvv::training {
 

@@ -1,4 +1,4 @@
-#include "training/data/layouts/candidates.h"
+#include "training/data/layouts/rig/candidates.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <map>
 
 #include "base/text.h"
-#include "training/data/layouts/camera_folders.h"
+#include "training/data/layouts/rig/camera_folders.h"
 
 namespace neuvv::training {
 

@@ -1,4 +1,4 @@
-#include "training/data/layouts/json_pose.h"
+#include "training/data/layouts/rig/json_pose.h"
 
 #include <fmt/format.h>
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "media/image.h"
-#include "training/data/layouts/rig.h"
+#include "training/data/layouts/rig/rig.h"
 
 namespace neuvv::training {
 

@@ -1,4 +1,4 @@
-#include "training/data/layouts/camera_names.h"
+#include "training/data/layouts/rig/camera_names.h"
 
 #include <algorithm>
 #include <set>

@@ -1,4 +1,4 @@
-#include "training/data/layouts/holdout.h"
+#include "training/data/layouts/rig/holdout.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

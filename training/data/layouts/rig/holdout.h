@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "training/data/layouts/rig.h"
+#include "training/data/layouts/rig/rig.h"
 
 namespace neuvv::training {
 

@@ -4,7 +4,7 @@
 // readers of their results): what counts is what the calibration was made from.
 #pragma once
 
-#include "training/data/layouts/rig.h"
+#include "training/data/layouts/rig/rig.h"
 
 namespace neuvv::training {
 

@@ -1,4 +1,4 @@
-#include "training/data/layouts/calibration.h"
+#include "training/data/layouts/rig/calibration.h"
 
 #include <fmt/format.h>
 
@@ -13,9 +13,9 @@
 #include "media/image.h"
 #include "media/video.h"
 #include "training/data/image_reader.h"
-#include "training/data/layouts/candidates.h"
-#include "training/data/layouts/json_pose.h"
-#include "training/data/layouts/presentation.h"
+#include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/json_pose.h"
+#include "training/data/layouts/rig/presentation.h"
 
 namespace neuvv::training {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "training/data/layouts/rig.h"
+#include "training/data/layouts/rig/rig.h"
 
 namespace neuvv::training {
 

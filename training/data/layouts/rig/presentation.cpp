@@ -1,4 +1,4 @@
-#include "training/data/layouts/presentation.h"
+#include "training/data/layouts/rig/presentation.h"
 
 #include <fmt/format.h>
 

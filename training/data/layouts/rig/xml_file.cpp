@@ -1,4 +1,4 @@
-#include "training/data/layouts/xml_file.h"
+#include "training/data/layouts/rig/xml_file.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // Clean plates: what a camera sees of the place without the performer.
 #pragma once
 
-#include "training/data/layouts/rig.h"
+#include "training/data/layouts/rig/rig.h"
 
 namespace neuvv::training {
 

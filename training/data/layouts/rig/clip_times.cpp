@@ -1,4 +1,4 @@
-#include "training/data/layouts/clip_times.h"
+#include "training/data/layouts/rig/clip_times.h"
 
 #include <fmt/format.h>
 

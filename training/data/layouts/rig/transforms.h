@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "training/data/dataset.h"
-#include "training/data/layouts/json_pose.h"
+#include "training/data/layouts/rig/json_pose.h"
 #include "training/data/lens.h"
 
 namespace neuvv::training {

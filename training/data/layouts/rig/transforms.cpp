@@ -1,4 +1,4 @@
-#include "training/data/layouts/transforms.h"
+#include "training/data/layouts/rig/transforms.h"
 
 #include <fmt/format.h>
 
