@@ -1,5 +1,5 @@
-// engine/gpu: uploads by a queue that only copies, which the layer of support/transfer_queue.cpp gives the device. The
-// validation layers stand before it and see a device with two queues.
+// engine/gpu: uploads by a queue that only copies, which the layer of support/layers/transfer_queue.cpp gives the
+// device. The validation layers stand before it and see a device with two queues.
 #include <gtest/gtest.h>
 
 #include <atomic>

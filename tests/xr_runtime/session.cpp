@@ -140,7 +140,7 @@ void lose_instance(Instance& instance, const ScriptEvent& event) {
     instance.calls_until_loss = event.calls;
 }
 
-// Asks the layer of tests/support/lose_device.cpp for it, with which the application runs.
+// Asks the layer of tests/support/layers/lose_device.cpp for it, with which the application runs.
 void lose_device(const ScriptEvent& event) {
     if (const char* file = std::getenv("NEUVV_LOSE_DEVICE")) std::ofstream(file) << event.times;
 }

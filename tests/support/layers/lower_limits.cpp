@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "support/vulkan_layer.h"
+#include "support/layers/vulkan_layer.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "support/vulkan_layer.h"
+#include "support/layers/vulkan_layer.h"
 
 namespace {
 

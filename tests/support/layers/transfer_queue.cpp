@@ -4,7 +4,7 @@
 #include <mutex>
 #include <vector>
 
-#include "support/vulkan_layer.h"
+#include "support/layers/vulkan_layer.h"
 
 namespace {
 
