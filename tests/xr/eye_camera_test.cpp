@@ -1,6 +1,6 @@
 // Eyes as cameras, against the definition of OpenXR's specification: an image spans the tangents of its field of view's
 // angles, from its left and upper edge on.
-#include "xr/eye_camera.h"
+#include "xr/draw/eye_camera.h"
 
 #include <gtest/gtest.h>
 

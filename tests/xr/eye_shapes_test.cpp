@@ -1,4 +1,4 @@
-#include "xr/eye_shapes.h"
+#include "xr/draw/eye_shapes.h"
 
 #include <gtest/gtest.h>
 

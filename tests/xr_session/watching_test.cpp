@@ -5,7 +5,7 @@
 #include "golden/golden.h"
 #include "render/clips/stage_renderer.h"
 #include "support/gpu_test.h"
-#include "xr/eye_camera.h"
+#include "xr/draw/eye_camera.h"
 #include "xr_session/xr_session.h"
 
 namespace neuvv::test {

@@ -11,8 +11,8 @@
 #include "tools/bench/measure.h"
 #include "tools/options.h"
 #include "tools/report.h"
-#include "xr/eye_camera.h"
-#include "xr/eye_pass.h"
+#include "xr/draw/eye_camera.h"
+#include "xr/draw/eye_pass.h"
 
 namespace neuvv::bench {
 

@@ -8,7 +8,7 @@
 
 #include "tools/headset/draw/eye_images.h"
 #include "xr/actions.h"
-#include "xr/eye_camera.h"
+#include "xr/draw/eye_camera.h"
 #include "xr/hand_tracking.h"
 #include "xr/newer_types.h"
 

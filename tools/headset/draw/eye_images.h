@@ -7,8 +7,8 @@
 
 #include "editor/draw/dynamic_scale.h"
 #include "tools/headset/draw/drawn_share.h"
-#include "xr/eye_camera.h"
-#include "xr/eye_pass.h"
+#include "xr/draw/eye_camera.h"
+#include "xr/draw/eye_pass.h"
 
 namespace neuvv::headset {
 

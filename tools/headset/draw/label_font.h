@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "gpu/image.h"
-#include "xr/eye_shapes.h"
+#include "xr/draw/eye_shapes.h"
 
 namespace neuvv::headset {
 

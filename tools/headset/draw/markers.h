@@ -6,7 +6,7 @@
 
 #include "tools/headset/state/hand.h"
 #include "tools/headset/state/headset_state.h"
-#include "xr/eye_shapes.h"
+#include "xr/draw/eye_shapes.h"
 
 namespace neuvv::headset {
 

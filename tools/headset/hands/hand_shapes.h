@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tools/headset/hands/interaction.h"
-#include "xr/eye_shapes.h"
+#include "xr/draw/eye_shapes.h"
 #include "xr/hand_tracking.h"
 
 namespace neuvv::headset {

@@ -5,7 +5,7 @@
 
 #include "tools/headset/hands/interaction.h"
 #include "tools/ui/panel_drawing.h"
-#include "xr/swapchain.h"
+#include "xr/draw/swapchain.h"
 
 namespace neuvv::headset {
 

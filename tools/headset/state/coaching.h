@@ -7,7 +7,7 @@
 #include "base/threads/job_queue.h"
 #include "coach/session.h"
 #include "tools/headset/state/headset_state.h"
-#include "xr/eye_shapes.h"
+#include "xr/draw/eye_shapes.h"
 
 namespace neuvv::headset {
 

@@ -8,7 +8,7 @@
 #include "gpu/graphics_pass.h"
 #include "render/rays/ray_target.h"
 #include "shared/eye.h"
-#include "xr/eye_shapes.h"
+#include "xr/draw/eye_shapes.h"
 
 namespace neuvv::xr {
 

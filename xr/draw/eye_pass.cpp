@@ -1,4 +1,4 @@
-#include "xr/eye_pass.h"
+#include "xr/draw/eye_pass.h"
 
 #include <fmt/format.h>
 

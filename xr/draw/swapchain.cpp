@@ -1,4 +1,4 @@
-#include "xr/swapchain.h"
+#include "xr/draw/swapchain.h"
 
 #include <fmt/format.h>
 

@@ -9,10 +9,10 @@
 
 #include "gpu/graphics_pass.h"
 #include "render/clips/stage_renderer.h"
-#include "xr/eye_shapes.h"
-#include "xr/eye_text.h"
+#include "xr/draw/eye_shapes.h"
+#include "xr/draw/eye_text.h"
+#include "xr/draw/swapchain.h"
 #include "xr/locomotion.h"
-#include "xr/swapchain.h"
 
 namespace neuvv::xr {
 

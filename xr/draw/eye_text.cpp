@@ -1,4 +1,4 @@
-#include "xr/eye_text.h"
+#include "xr/draw/eye_text.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "xr/eye_camera.h"
+#include "xr/draw/eye_camera.h"
 
 #include <algorithm>
 #include <cassert>
