@@ -15,7 +15,7 @@ namespace neuvv::tools {
 
 class ComparedViews {
   public:
-    // `count` views in the middles of equal parts of the orbit around the tree. The device must outlive it.
+    // `count` views in the centres of equal parts of the orbit around the tree. The device must outlive it.
     ComparedViews(const gpu::Device& device, const voctree::VOctree& tree, media::ImageSize size, uint32_t count);
 
     // Images on white of a clip under layers of paint, the lowest first, each at the frame that its view has.

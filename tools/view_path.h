@@ -32,7 +32,7 @@ std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, c
 // The same around a clip's leaves, while all of the clip plays at its own rate.
 std::vector<ViewStep> orbit_path(const voctree::VOctree& tree, media::ImageSize size);
 
-// A camera whose principal point is the middle of its image.
+// A camera whose principal point is the centre of its image.
 stage::Camera centred_camera(media::ImageSize size, double focal_length_px, const glm::dmat4& world_from_camera);
 
 // Along a camera path, image i at i / output_fps seconds: a cyclic path goes once around, an open one from its first

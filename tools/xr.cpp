@@ -47,7 +47,7 @@ void print_views(const xr::Runtime& runtime) {
     };
     const VkExtent2D most = runtime.max_image_size();
     print(runtime.has_narrow_views() ? "wide view of each eye" : "view of each eye", 0, false);
-    if (runtime.has_narrow_views()) print("narrow view of each eye, in the middle", xr::kEyes, false);
+    if (runtime.has_narrow_views()) print("narrow view of each eye, in the centre", xr::kEyes, false);
     if (runtime.narrow_views_follow_gaze()) {
         print("wide view while the eyes are tracked", 0, true);
         print("narrow view while the eyes are tracked, where they look", xr::kEyes, true);
@@ -119,7 +119,7 @@ void add_xr(Command app, CommonOptions& common) {
                     "Rays a pixel along each side; otherwise as many as the refresh rate allows")
         .number_between(0.2, 1);
     verb.add_option("--inset", options->inset,
-                    "Only this share of each eye's side gets all rays, where you look (or in the middle, where the "
+                    "Only this share of each eye's side gets all rays, where you look (or in the centre, where the "
                     "headset does not say); beside it half of them")
         .number_between(0.1, 0.95);
     verb.add_flag("--stereo", options->stereo,

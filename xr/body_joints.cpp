@@ -27,7 +27,7 @@ constexpr JointSource same(motion::Joint joint, int source) {
 
 }  // namespace
 
-// The pelvis is the joint of the hips rather than the middle of both legs, so that it is measured where legs are
+// The pelvis is the joint of the hips rather than the centre of both legs, so that it is measured where legs are
 // guessed.
 constinit const BodyJointSources kMetaBodySources = [] {
     using enum motion::Joint;

@@ -10,7 +10,7 @@ using motion::Joint;
 
 constexpr double kWorn = 0.8, kPlaced = 0.2;
 constexpr double kWristBehindPalm_m = 0.07;
-// Of an adult, metres: the nose and the top of the neck from between the eyes, and the middle of the shoulders from
+// Of an adult, metres: the nose and the top of the neck from between the eyes, and the centre of the shoulders from
 // there; half of the distance between shoulders, and between hips.
 constexpr glm::dvec3 kNoseFromEyes(0, -0.04, -0.02), kSkullFromEyes(0, -0.08, 0.09), kNeckFromSkull(0, -0.13, 0);
 constexpr double kHalfShoulders_m = 0.18, kHalfHips_m = 0.09;

@@ -21,7 +21,7 @@ struct BodyPoints {
     TrackerPositions trackers;
 };
 
-// The wrist of a hand: the joint of a bare hand, else 7 cm behind the grip pose, whose origin is the middle of the palm
+// The wrist of a hand: the joint of a bare hand, else 7 cm behind the grip pose, whose origin is the centre of the palm
 // and whose +Y leads from the knuckles to the wrist. Empty where neither is tracked.
 std::optional<glm::dvec3> wrist_of(const HandInput& input, const HandJoints& joints);
 
@@ -29,7 +29,7 @@ std::optional<glm::dvec3> wrist_of(const HandInput& input, const HandJoints& joi
 glm::dvec3 nose_of(const Pose& head);
 
 // The pose of the body, or nothing where no point is known. Nose, wrists and joints with a tracker are measured. A
-// tracker is worn on the skin, beside the joint: its confidence is 0.8. The neck is the middle of both shoulders where
+// tracker is worn on the skin, beside the joint: its confidence is 0.8. The neck is the centre of both shoulders where
 // both have trackers. Otherwise neck, shoulders and, with a tracker at the waist, hips are placed by an adult's
 // proportions, with a confidence of 0.2: they are estimated. All else is unknown. Points that are not within 1000 m of
 // the origin count as unknown.

@@ -67,7 +67,7 @@ void Grab::push(int hand, double by_m) {
 
 glm::dmat4 Grab::world_from_node() const {
     if (empty()) return anchor_;
-    glm::dvec3 from(0), to(0);  // the middle of the attached hands' points, at the anchor and now
+    glm::dvec3 from(0), to(0);  // the centre of the attached hands' points, at the anchor and now
     for (const Hand& hand : hands_)
         if (hand.attached) {
             const double share = both_attached() ? 0.5 : 1;

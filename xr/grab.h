@@ -6,7 +6,7 @@
 // One hand: the point keeps its position in the hand's frame, so a ray that swings carries the object along. The object
 // turns as the hand does. An upright object turns only by the part of the hand's rotation about +Y (twist_of).
 //
-// Two hands: the middle of the two points carries the object. The object scales by the ratio of the distances between
+// Two hands: the centre of the two points carries the object. The object scales by the ratio of the distances between
 // the hands, and turns as the line between the hands does: from frame to frame by the smallest rotation, or, where the
 // object is upright, about +Y alone. (The points would not do: 4 m away, one degree of a wrist moves a point by 7 cm.)
 // The scale follows the hands' distance smoothly (advance). Hands nearer to each other than kMinApart_m count as that

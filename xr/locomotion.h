@@ -48,7 +48,7 @@ constexpr double kArcSpacing_m = 0.08;
 // that begins below the floor may rise through the floor first.
 Arc teleport_arc(const Pose& world_aim, double floor_y, double speed_m_per_s = 6, double max_distance_m = 12);
 
-// Smooth walking: stick up moves the user horizontally to where the head looks. Within `dead_zone` of its middle the
+// Smooth walking: stick up moves the user horizontally to where the head looks. Within `dead_zone` of its centre the
 // stick does nothing; from there the speed grows linearly to `metres_per_s` at 1. A frame of more than kMaxStep_s
 // counts as kMaxStep_s.
 constexpr double kMaxStep_s = 0.1;

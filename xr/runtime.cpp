@@ -68,11 +68,11 @@ std::vector<OptionalExtension> optional_extensions() {
         {XR_FB_PASSTHROUGH_EXTENSION_NAME, "your own room can be seen (--room)",
          "your own room is seen only by a blend mode, see above"},
         {XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME, "the inset is where you look (--inset)",
-         "the inset is in the middle of each eye's image"},
+         "the inset is in the centre of each eye's image"},
         {XR_VARJO_QUAD_VIEWS_EXTENSION_NAME, "each eye has a narrow view with more pixels over its wide one",
          "each eye has one view"},
         {XR_VARJO_FOVEATED_RENDERING_EXTENSION_NAME, "the narrow views are where you look",
-         "narrow views, where there are any, are in the middle"},
+         "narrow views, where there are any, are in the centre"},
         {kUserPresenceExtension, "the stage pauses while nobody wears the headset", "the stage goes on"},
     };
     for (const ControllerProfile& profile : controller_profiles()) {

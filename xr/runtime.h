@@ -20,7 +20,7 @@ struct OptionalExtension {
 std::vector<OptionalExtension> optional_extensions();
 
 constexpr uint32_t kEyes = 2;
-// Some headsets show two images to each eye: a wide one and, over its middle or where the eye looks, a narrow one with
+// Some headsets show two images to each eye: a wide one and, over its centre or where the eye looks, a narrow one with
 // more pixels for each degree (quad views). The order of views is left, right, narrow left, narrow right.
 constexpr uint32_t kMaxViews = 4;
 enum class ViewChoice {

@@ -79,7 +79,7 @@ class Session {
 
     XrSession handle() const { return session_.get(); }
     const Runtime& runtime() const { return runtime_; }
-    // The space in which all poses are located: OpenXR's STAGE, whose origin lies on the floor in the middle of the
+    // The space in which all poses are located: OpenXR's STAGE, whose origin lies on the floor in the centre of the
     // area where the user may walk. Where the runtime has no STAGE, LOCAL_FLOOR, whose origin lies on the floor where
     // the user was when the space was last centred. Where it has neither, a space kEyeHeight_m below the origin of
     // LOCAL, which is at the height of the eyes.

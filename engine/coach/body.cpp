@@ -38,7 +38,7 @@ double radius_of(motion::Joint joint) {
     }
 }
 
-// From above the neck, so that shoulders stay with the trunk, to the middle of the skull: behind the nose, as the
+// From above the neck, so that shoulders stay with the trunk, to the centre of the skull: behind the nose, as the
 // shoulders face, and a little above it.
 BodyBone head_of(const motion::Pose& pose, double height, float radius) {
     using enum motion::Joint;

@@ -112,7 +112,7 @@ void Coach::record(double clip_s) {
 
 void Coach::choose_view(double step_s) {
     const std::vector<JointError> wrong = errors();
-    best_eye_ = chooser_.choose(wrong, wrong.empty() ? std::vector<BodyBone>{} : body(), middle(),
+    best_eye_ = chooser_.choose(wrong, wrong.empty() ? std::vector<BodyBone>{} : body(), centre(),
                                 kViewDistance * height_, step_s);
 }
 
@@ -127,7 +127,7 @@ motion::Pose Coach::shown() const {
     return motion::pose_at(trainer_, clip_s_ * trainer_.fps);
 }
 
-glm::dvec3 Coach::middle() const {
+glm::dvec3 Coach::centre() const {
     return shown()[motion::index_of(motion::Joint::kPelvis)].position;
 }
 

@@ -45,7 +45,7 @@ class Coach {
     // Of the time of the last update. The space is the performer's, metres.
     const motion::Feedback& feedback() const { return live_->feedback(); }
     motion::Pose shown() const;  // of the trainer
-    glm::dvec3 middle() const;   // of the trainer: what a view looks at
+    glm::dvec3 centre() const;   // of the trainer: what a view looks at
     std::vector<BodyBone> body() const;
     LimbValues red() const;
     // Null where nothing is red.

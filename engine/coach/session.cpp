@@ -78,7 +78,7 @@ std::vector<GuideLine> Session::guide() const {
 std::optional<Session::View> Session::best_view() const {
     if (!coach_ || !performer_ || !coach_->best_eye()) return std::nullopt;
     const auto world = [this](const glm::dvec3& p) { return glm::dvec3(world_from_performer_ * glm::dvec4(p, 1)); };
-    return View{world(*coach_->best_eye()), world(coach_->middle())};
+    return View{world(*coach_->best_eye()), world(coach_->centre())};
 }
 
 std::optional<double> Session::stage_time_of(const stage::Stage& stage, double clip_s, double stage_s) const {

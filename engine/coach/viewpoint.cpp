@@ -64,12 +64,12 @@ double seen_error(std::span<const JointError> errors, std::span<const BodyBone> 
     return weights > 0 ? std::sqrt(sum / weights) : 0;
 }
 
-std::vector<glm::dvec3> candidate_eyes(std::span<const JointError> errors, const glm::dvec3& middle, double distance) {
+std::vector<glm::dvec3> candidate_eyes(std::span<const JointError> errors, const glm::dvec3& centre, double distance) {
     std::vector<glm::dvec3> eyes;
     for (const double height_deg : kHeights_deg)
         for (int i = 0; i < kAround; ++i) {
             const double turn = 2 * std::numbers::pi * i / kAround, up = glm::radians(height_deg);
-            eyes.push_back(middle + distance * glm::dvec3(std::cos(up) * std::sin(turn), std::sin(up),
+            eyes.push_back(centre + distance * glm::dvec3(std::cos(up) * std::sin(turn), std::sin(up),
                                                           std::cos(up) * std::cos(turn)));
         }
     std::vector<motion::WeightedError> weighted;
@@ -78,29 +78,29 @@ std::vector<glm::dvec3> candidate_eyes(std::span<const JointError> errors, const
         for (const double sign : {1.0, -1.0}) {
             const double height_deg = glm::degrees(std::asin(std::clamp(sign * axis.y, -1.0, 1.0)));
             if (height_deg >= kLowest_deg && height_deg <= kHighest_deg)
-                eyes.push_back(middle + distance * sign * axis);
+                eyes.push_back(centre + distance * sign * axis);
         }
     return eyes;
 }
 
 std::optional<glm::dvec3> ViewChooser::choose(std::span<const JointError> errors, std::span<const BodyBone> body,
-                                              const glm::dvec3& middle, double distance, double step_s) {
-    const auto eye = [&] { return direction_ ? std::optional(middle + distance * *direction_) : std::nullopt; };
+                                              const glm::dvec3& centre, double distance, double step_s) {
+    const auto eye = [&] { return direction_ ? std::optional(centre + distance * *direction_) : std::nullopt; };
     if (errors.empty()) {
         better_s_ = 0;
         return eye();
     }
-    const std::vector<glm::dvec3> eyes = candidate_eyes(errors, middle, distance);
+    const std::vector<glm::dvec3> eyes = candidate_eyes(errors, centre, distance);
     std::vector<double> values;
     const auto value = [&](const glm::dvec3& at) {
-        return seen_error(errors, body, at) * (1 - kLevel * std::abs(at.y - middle.y) / distance);
+        return seen_error(errors, body, at) * (1 - kLevel * std::abs(at.y - centre.y) / distance);
     };
     for (const glm::dvec3& each : eyes) values.push_back(value(each));
     const auto best = std::ranges::max_element(values);
     const bool better = !direction_ || *best > kGain * value(*eye());
     better_s_ = better ? better_s_ + step_s : 0;
     if (better && (!direction_ || better_s_ >= kPatience_s)) {
-        direction_ = glm::normalize(eyes[static_cast<size_t>(best - values.begin())] - middle);
+        direction_ = glm::normalize(eyes[static_cast<size_t>(best - values.begin())] - centre);
         better_s_ = 0;
     }
     return eye();

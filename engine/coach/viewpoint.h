@@ -18,8 +18,8 @@ double seen_error(std::span<const JointError> errors, std::span<const BodyBone> 
 bool is_hidden(const glm::dvec3& point, std::span<const BodyBone> body, const glm::dvec3& eye);
 
 // Eyes from which a body may be looked at: all around at four heights and along the closed form's direction
-// (motion/video/best_view.h), at a distance (metres) from a middle.
-std::vector<glm::dvec3> candidate_eyes(std::span<const JointError> errors, const glm::dvec3& middle, double distance);
+// (motion/video/best_view.h), at a distance (metres) from a centre.
+std::vector<glm::dvec3> candidate_eyes(std::span<const JointError> errors, const glm::dvec3& centre, double distance);
 
 // Chooses an eye while errors change: of two that see alike the more level one. It stays where it is until another eye
 // sees a quarter more for half a second.
@@ -28,10 +28,10 @@ class ViewChooser {
     // `step_s`: seconds since the last call. Returns the eye that was chosen last, nothing where there were no errors
     // yet.
     std::optional<glm::dvec3> choose(std::span<const JointError> errors, std::span<const BodyBone> body,
-                                     const glm::dvec3& middle, double distance, double step_s);
+                                     const glm::dvec3& centre, double distance, double step_s);
 
   private:
-    std::optional<glm::dvec3> direction_;  // unit, from the middle to the chosen eye
+    std::optional<glm::dvec3> direction_;  // unit, from the centre to the chosen eye
     double better_s_ = 0;                  // for how long another eye has been better
 };
 

@@ -89,7 +89,7 @@ void expect_simple(const stage::StageFile& file, const stage::CameraPath& path) 
         const stage::CameraPathKey& key = path.keys[i];
         if (key.angle_x || std::abs(key.stretch - 1) > 1e-6 || glm::length(key.shift) > 1e-6)
             throw InputError(file.path.string(), fmt::format("cameraPath/keys/{}", i),
-                             "its lens has more than a vertical angle: another horizontal one, or a shifted middle",
+                             "its lens has more than a vertical angle: another horizontal one, or a shifted centre",
                              "give square pixels, centred, and camera_angle_y; or render with the path's own file");
     }
 }

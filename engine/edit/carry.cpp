@@ -22,15 +22,15 @@ class EditsInSpace {
         for (const voctree::LeafEdit& edit : edits) {
             edit_of_leaf_[edit.leaf] = &edit;
             const float reach_m = kHalfEdge * canvas.edges_m[edit.leaf];
-            low_ = glm::min(low_, canvas.middles[edit.leaf] - reach_m);
-            high_ = glm::max(high_, canvas.middles[edit.leaf] + reach_m);
+            low_ = glm::min(low_, canvas.centres[edit.leaf] - reach_m);
+            high_ = glm::max(high_, canvas.centres[edit.leaf] + reach_m);
             smallest_edge_m_ = std::min(smallest_edge_m_, canvas.edges_m[edit.leaf]);
         }
     }
     float smallest_edge_m() const { return smallest_edge_m_; }
-    bool may_meet(glm::vec3 middle, float edge_m) const {
+    bool may_meet(glm::vec3 centre, float edge_m) const {
         const float reach_m = kHalfEdge * edge_m;
-        return glm::all(glm::greaterThan(middle + reach_m, low_)) && glm::all(glm::lessThan(middle - reach_m, high_));
+        return glm::all(glm::greaterThan(centre + reach_m, low_)) && glm::all(glm::lessThan(centre - reach_m, high_));
     }
     // Null where there is none.
     const voctree::LeafEdit* at(glm::vec3 point) const {
@@ -48,12 +48,12 @@ class EditsInSpace {
 };
 
 // Of the edits at side³ points of a leaf. An alpha of 0 and kKeepSigma where there is none.
-voctree::LeafEdit edit_in_leaf(const EditsInSpace& edits, glm::vec3 middle, glm::vec3 edges, int side) {
+voctree::LeafEdit edit_in_leaf(const EditsInSpace& edits, glm::vec3 centre, glm::vec3 edges, int side) {
     voctree::LeafEdit result;
     float densities = 0, sum = 0;
     for (int i = 0; i < side * side * side; ++i) {
         const glm::vec3 cell(i % side, i / side % side, i / (side * side));
-        const voctree::LeafEdit* edit = edits.at(middle + edges * ((cell + 0.5f) / static_cast<float>(side) - 0.5f));
+        const voctree::LeafEdit* edit = edits.at(centre + edges * ((cell + 0.5f) / static_cast<float>(side) - 0.5f));
         if (!edit) continue;
         if (edit->alpha > result.alpha) {
             result.alpha = edit->alpha;
@@ -76,9 +76,9 @@ std::vector<voctree::LeafEdit> carried(const Canvas& from, std::span<const voctr
     parallel_for(of_leaf.size(), kLeavesAtOnce, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; ++leaf) {
             const float edge_m = to.edges_m[leaf];
-            if (!in_space.may_meet(to.middles[leaf], edge_m)) continue;
+            if (!in_space.may_meet(to.centres[leaf], edge_m)) continue;
             const int side = std::clamp(static_cast<int>(std::ceil(edge_m / in_space.smallest_edge_m())), 2, 4);
-            of_leaf[leaf] = edit_in_leaf(in_space, to.middles[leaf], edge_m * shape, side);
+            of_leaf[leaf] = edit_in_leaf(in_space, to.centres[leaf], edge_m * shape, side);
             of_leaf[leaf].leaf = static_cast<uint32_t>(leaf);
         }
     });

@@ -230,13 +230,13 @@ glm::dquat rotation_towards(const glm::dvec3& direction) {
     return glm::normalize(glm::quat_cast(glm::dmat3(right, glm::cross(back, right), back)));
 }
 
-LocalTransform turned_about(LocalTransform transform, const glm::dvec3& middle, double angle_rad) {
+LocalTransform turned_about(LocalTransform transform, const glm::dvec3& centre, double angle_rad) {
     const glm::dquat turn = glm::angleAxis(angle_rad, glm::dvec3(0, 1, 0));
     if (transform.has_matrix) {
-        glm::dmat4 about = glm::translate(glm::dmat4(1), middle) * glm::mat4_cast(turn);
-        transform.matrix = glm::translate(about, -middle) * transform.matrix;
+        glm::dmat4 about = glm::translate(glm::dmat4(1), centre) * glm::mat4_cast(turn);
+        transform.matrix = glm::translate(about, -centre) * transform.matrix;
     } else {
-        transform.translation = middle + turn * (transform.translation - middle);
+        transform.translation = centre + turn * (transform.translation - centre);
         transform.rotation = turn * transform.rotation;
     }
     return transform;

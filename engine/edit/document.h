@@ -108,8 +108,8 @@ LocalTransform local_transform_of(const ordered_json& node);
 void set_local_transform(ordered_json& node, const LocalTransform& transform);
 // The rotation whose −Z is `direction` and whose +Y is as upright as possible.
 glm::dquat rotation_towards(const glm::dvec3& direction);
-// The transform turned about the vertical axis through `middle`, counter-clockwise as seen from above.
-LocalTransform turned_about(LocalTransform transform, const glm::dvec3& middle, double angle_rad);
+// The transform turned about the vertical axis through `centre`, counter-clockwise as seen from above.
+LocalTransform turned_about(LocalTransform transform, const glm::dvec3& centre, double angle_rad);
 glm::dvec3 position_of(const LocalTransform& transform);
 
 ordered_json json_of(const glm::dvec3& v);

@@ -25,7 +25,7 @@ std::optional<LightValues> light_on(const stage::StageFile& file, uint32_t node)
 // a subject about as brightly as a directional light.
 double usual_intensity(stage::GltfLightKind kind);
 
-// The share of a spot's cone in which its light fades: 0 is a sharp edge, 1 means that only the middle has the full
+// The share of a spot's cone in which its light fades: 0 is a sharp edge, 1 means that only the centre has the full
 // light.
 double softness_of(double inner_cone_deg, double outer_cone_deg);
 // The inner half angle, in degrees, for this softness. It is less than the outer one, as glTF requires, even where the

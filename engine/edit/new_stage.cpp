@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kFloorHalfSide = 5;                 // metres, of a new stage
 constexpr uint32_t kSquare_px = 256, kLine_px = 4;  // of the image of a floor with lines
-const glm::dvec3 kCameraPosition(0, 1.6, 4), kLightPosition(1.5, 4, 2.5), kMiddle(0, 1, 0);
+const glm::dvec3 kCameraPosition(0, 1.6, 4), kLightPosition(1.5, 4, 2.5), kCentre(0, 1, 0);
 constexpr double kCandela = 60;
 
 ordered_json rotation_json(const glm::dquat& q) {
@@ -25,7 +25,7 @@ ordered_json rotation_json(const glm::dquat& q) {
 // A square floor around a point, metres. With `squares`, lines divide it into so many squares along each side.
 struct Floor {
     float half_side = kFloorHalfSide;
-    glm::dvec3 middle{0};
+    glm::dvec3 centre{0};
     uint32_t squares = 0;
 };
 
@@ -93,7 +93,7 @@ ordered_json lit_floor(const Floor& floor, glm::dvec3 from, glm::dvec3 to, doubl
                       {"translation", json_of(from)},
                       {"rotation", rotation_json(rotation_towards(to - from))},
                       {"extensions", {{kLightsExtension, {{"light", 0}}}}}}};
-    if (floor.middle != glm::dvec3(0)) json["nodes"][0]["translation"] = json_of(floor.middle);
+    if (floor.centre != glm::dvec3(0)) json["nodes"][0]["translation"] = json_of(floor.centre);
     json["extensions"] = {
         {kLightsExtension,
          {{"lights",
@@ -108,11 +108,11 @@ ordered_json lit_floor(const Floor& floor, glm::dvec3 from, glm::dvec3 to, doubl
 }  // namespace
 
 stage::StageFile new_stage(const std::filesystem::path& path) {
-    ordered_json json = lit_floor({}, kLightPosition, kMiddle, kCandela);
+    ordered_json json = lit_floor({}, kLightPosition, kCentre, kCandela);
     ordered_json camera = {{"name", "camera"},
                            {"camera", 0},
                            {"translation", json_of(kCameraPosition)},
-                           {"rotation", rotation_json(rotation_towards(kMiddle - kCameraPosition))}};
+                           {"rotation", rotation_json(rotation_towards(kCentre - kCameraPosition))}};
     json["nodes"].insert(json["nodes"].begin() + 1, std::move(camera));
     json["scenes"][0]["nodes"].push_back(2);
     json["cameras"] = {{{"name", "camera"},
@@ -122,15 +122,15 @@ stage::StageFile new_stage(const std::filesystem::path& path) {
 }
 
 stage::StageFile stage_for_clip(const std::filesystem::path& path, glm::dvec3 low, glm::dvec3 high) {
-    const glm::dvec3 size = high - low, middle = low + 0.5 * size;
+    const glm::dvec3 size = high - low, centre = low + 0.5 * size;
     const double largest = std::max({size.x, size.y, size.z});
     // A person has squares of 1 m.
     const double square = std::pow(10.0, std::round(std::log10(largest / 2)));
     const auto squares = static_cast<uint32_t>(2 * std::ceil(2.5 * largest / square));
-    const glm::dvec3 from = middle + largest * glm::dvec3(0.8, 1.6, 1.3);
-    const double distance = glm::length(from - middle), usual = glm::length(kLightPosition - kMiddle);
-    ordered_json json = lit_floor({static_cast<float>(0.5 * squares * square), {middle.x, low.y, middle.z}, squares},
-                                  from, middle, 2 * kCandela * distance * distance / (usual * usual));
+    const glm::dvec3 from = centre + largest * glm::dvec3(0.8, 1.6, 1.3);
+    const double distance = glm::length(from - centre), usual = glm::length(kLightPosition - kCentre);
+    ordered_json json = lit_floor({static_cast<float>(0.5 * squares * square), {centre.x, low.y, centre.z}, squares},
+                                  from, centre, 2 * kCandela * distance * distance / (usual * usual));
     ordered_json& settings = json["scenes"][0]["extensions"][stage::kStageExtension];
     settings["falloff"] = false;  // the performer looks as it was filmed
     settings["background"] = {0.02, 0.022, 0.026};

@@ -86,7 +86,7 @@ uint32_t rays_per_pixel_side(render::Picker& picker, const Canvas& canvas, std::
     return static_cast<uint32_t>(std::clamp(std::ceil(pixel_m / double{edge}), 1.0, max_side));
 }
 
-// Premultiplied linear colour and alpha at a point of the image, interpolated between the middles of pixels.
+// Premultiplied linear colour and alpha at a point of the image, interpolated between the centres of pixels.
 glm::vec4 image_at(const media::Image& image, glm::vec2 at) {
     const glm::vec2 size(image.width, image.height);
     const glm::vec2 texel = glm::clamp(at - 0.5f, glm::vec2(0), size - 1.0f), low = glm::floor(texel);
@@ -123,9 +123,9 @@ struct Projector {
 
     // A leaf as it lies in the image.
     struct Footprint {
-        glm::dvec2 pixel;         // where its middle appears
+        glm::dvec2 pixel;         // where its centre appears
         glm::dvec2 pixels_per_m;  // across and down, for a metre in the direction in which it appears longest
-        glm::dvec3 to_middle;     // from the eye, metres
+        glm::dvec3 to_centre;     // from the eye, metres
         double edge;              // metres
         RayCell rays;             // at the leaf's depth
     };
@@ -136,20 +136,20 @@ struct Projector {
         // per image axis.
         const glm::dmat3 rows = glm::transpose(glm::dmat3(camera_from_performer));
         const glm::dvec2 slope(glm::length(rows[0] + line.x * rows[2]), glm::length(rows[1] + line.y * rows[2]));
-        const glm::dvec3 to_middle = glm::dvec3(canvas.middles[leaf]) - eye;
-        RayCell rays = ray_cell(camera, glm::normalize(to_middle));
+        const glm::dvec3 to_centre = glm::dvec3(canvas.centres[leaf]) - eye;
+        RayCell rays = ray_cell(camera, glm::normalize(to_centre));
         for (double* length : {&rays.side, &rays.half_diagonal}) *length *= depth / map.rays_per_side;
         return {glm::dvec2(camera.cx, camera.cy) + focal * glm::dvec2(line.x, -line.y), focal * slope / depth,
-                to_middle, double{canvas.edges_m[leaf]}, rays};
+                to_centre, double{canvas.edges_m[leaf]}, rays};
     }
 
-    // Whether a ray meets a cube around the leaf's middle.
+    // Whether a ray meets a cube around the leaf's centre.
     static bool meets(const Footprint& leaf, const glm::dvec3& direction, double half_edge) {
         double enter = 0, leave = double{kInfinity};
         for (int axis = 0; axis < 3; ++axis) {
             const double inverse = 1 / direction[axis];
-            const double a = (leaf.to_middle[axis] - half_edge) * inverse,
-                         b = (leaf.to_middle[axis] + half_edge) * inverse;
+            const double a = (leaf.to_centre[axis] - half_edge) * inverse,
+                         b = (leaf.to_centre[axis] + half_edge) * inverse;
             enter = std::max(enter, std::min(a, b));
             leave = std::min(leave, std::max(a, b));
         }
@@ -159,14 +159,14 @@ struct Projector {
     // Whether the ray of a pixel, which ends at ray_end_m, counts for the leaf: it must pass through the leaf and reach
     // as far.
     bool counts(const Footprint& leaf, glm::dvec2 pixel, double ray_end_m) const {
-        const double half_diagonal = 0.5 * std::sqrt(3.0) * leaf.edge, distance = glm::length(leaf.to_middle);
+        const double half_diagonal = 0.5 * std::sqrt(3.0) * leaf.edge, distance = glm::length(leaf.to_centre);
         // The ray must reach the leaf's nearest corner. It may end earlier by as much as a slope falls between two
         // rays.
         if (ray_end_m < distance - half_diagonal - leaf.rays.side) return false;
         // The ray must pass through the ball around the leaf, or be the nearest one where rays are farther apart than
         // that.
         const glm::dvec3 direction = glm::normalize(view_line(camera, pixel));
-        const double aside = glm::length(glm::cross(direction, leaf.to_middle));
+        const double aside = glm::length(glm::cross(direction, leaf.to_centre));
         if (aside > half_diagonal + leaf.rays.half_diagonal) return false;
         // A ray that goes on far beyond the leaf passes beside a solid surface or through a soft one. Only rays through
         // the leaf count then, with a tolerance of half the spacing of rays, so that paint does not spread around an
@@ -176,14 +176,14 @@ struct Projector {
 
     // The mean of the image at the rays that count for the leaf, premultiplied.
     glm::vec4 colour_of(uint32_t index) const {
-        const glm::dvec3 at(camera_from_performer * glm::dvec4(canvas.middles[index], 1));
+        const glm::dvec3 at(camera_from_performer * glm::dvec4(canvas.centres[index], 1));
         if (!(at.z < 0)) return glm::vec4(0);
         const Footprint leaf = footprint(index, at);
-        const glm::dvec2 middle = leaf.pixel * static_cast<double>(map.rays_per_side) - 0.5;
+        const glm::dvec2 centre = leaf.pixel * static_cast<double>(map.rays_per_side) - 0.5;
         const glm::dvec2 half =
             0.5 * std::sqrt(3.0) * leaf.edge * leaf.pixels_per_m * static_cast<double>(map.rays_per_side) + 0.5;
-        const glm::dvec2 low = glm::max(glm::ceil(middle - half), 0.0);
-        const glm::dvec2 high = glm::min(glm::floor(middle + half), glm::dvec2(map.width, map.height) - 1.0);
+        const glm::dvec2 low = glm::max(glm::ceil(centre - half), 0.0);
+        const glm::dvec2 high = glm::min(glm::floor(centre + half), glm::dvec2(map.width, map.height) - 1.0);
         // A leaf that is narrower than a pixel takes the colour at its own point of the image.
         const bool narrow = leaf.edge * std::max(leaf.pixels_per_m.x, leaf.pixels_per_m.y) < 1;
         glm::dvec4 sum(0);

@@ -68,12 +68,12 @@ std::vector<Span> joined(std::vector<Span> spans) {
 Canvas::Canvas(const voctree::VOctree& field)
     : tree(field), rows(voctree::basis_entries(field.sigma_basis, field.bases)) {
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
-    middles.reserve(positions.size());
+    centres.reserve(positions.size());
     edges_m.reserve(positions.size());
     for (const voctree::LeafPosition& position : positions) {
         const float side = std::ldexp(1.0f, -static_cast<int>(position.depth));
-        const glm::vec3 middle = (glm::vec3(position.x, position.y, position.z) + 0.5f) * side;
-        middles.push_back(tree.box_min + middle * tree.box_size);
+        const glm::vec3 centre = (glm::vec3(position.x, position.y, position.z) + 0.5f) * side;
+        centres.push_back(tree.box_min + centre * tree.box_size);
         edges_m.push_back(voctree::leaf_edge_m(tree, position.depth));
     }
 }
@@ -119,8 +119,8 @@ Region box_region(glm::vec3 low, glm::vec3 high) {
     };
 }
 
-Region sphere_region(glm::vec3 middle, float radius_m) {
-    return [=](glm::vec3 at) { return glm::distance(at, middle) <= radius_m; };
+Region sphere_region(glm::vec3 centre, float radius_m) {
+    return [=](glm::vec3 at) { return glm::distance(at, centre) <= radius_m; };
 }
 
 Region either(Region a, Region b) {
@@ -138,7 +138,7 @@ Region without(Region a, Region b) {
 std::vector<uint32_t> all_leaves_in(const Canvas& canvas, const Region& region) {
     std::vector<uint32_t> leaves;
     for (uint32_t leaf = 0; leaf < canvas.tree.leaf_count; ++leaf)
-        if (region(canvas.middles[leaf])) leaves.push_back(leaf);
+        if (region(canvas.centres[leaf])) leaves.push_back(leaf);
     return leaves;
 }
 
@@ -152,7 +152,7 @@ std::vector<uint32_t> leaves_in(const Canvas& canvas, const Region& region, floa
     std::vector<uint8_t> live(tree.leaf_count);
     parallel_for(live.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; ++leaf)
-            live[leaf] = region(canvas.middles[leaf]) && std::any_of(rows.begin(), rows.end(), [&](const auto& row) {
+            live[leaf] = region(canvas.centres[leaf]) && std::any_of(rows.begin(), rows.end(), [&](const auto& row) {
                              return dot(row, tree.leaf(static_cast<uint32_t>(leaf))) > 0;
                          });
     });

@@ -15,7 +15,7 @@ namespace neuvv::edit {
 struct Canvas {
     explicit Canvas(const voctree::VOctree& tree);
     const voctree::VOctree& tree;
-    std::vector<glm::vec3> middles;         // of each leaf, in the performer's space, metres
+    std::vector<glm::vec3> centres;         // of each leaf, in the performer's space, metres
     std::vector<float> edges_m;             // of each leaf: the mean of its three edges
     std::vector<voctree::BasisEntry> rows;  // the rows of A
 };
@@ -30,13 +30,13 @@ glm::vec3 mean_colour(const voctree::VOctree& tree, const voctree::RowsAtTime& r
 // Whether a point belongs to the region: performer's space, metres.
 using Region = std::function<bool(glm::vec3)>;
 Region box_region(glm::vec3 low, glm::vec3 high);
-Region sphere_region(glm::vec3 middle, float radius_m);
+Region sphere_region(glm::vec3 centre, float radius_m);
 Region either(Region a, Region b);
 Region both(Region a, Region b);
 Region without(Region a, Region b);
 
-// leaves_in: the leaves whose middles lie in the region and that live, without paint, at any time from frame `first` to
-// frame `last`. all_leaves_in: all leaves whose middles lie in the region, whether they live or not.
+// leaves_in: the leaves whose centres lie in the region and that live, without paint, at any time from frame `first` to
+// frame `last`. all_leaves_in: all leaves whose centres lie in the region, whether they live or not.
 std::vector<uint32_t> leaves_in(const Canvas& canvas, const Region& region, float first, float last);
 std::vector<uint32_t> all_leaves_in(const Canvas& canvas, const Region& region);
 

@@ -106,9 +106,9 @@ double rate_of(const std::vector<double>& times_s, double tick_s) {
     std::vector<double> gaps;
     for (size_t i = 1; i < times_s.size(); ++i) gaps.push_back(times_s[i] - times_s[i - 1]);
     if (gaps.empty()) return 0;
-    const auto middle = gaps.begin() + static_cast<ptrdiff_t>(gaps.size() / 2);
-    std::nth_element(gaps.begin(), middle, gaps.end());
-    const double median = *middle;
+    const auto centre = gaps.begin() + static_cast<ptrdiff_t>(gaps.size() / 2);
+    std::nth_element(gaps.begin(), centre, gaps.end());
+    const double median = *centre;
     if (!(median > 0)) return 0;
     const auto is_usual = [&](double gap) { return std::abs(gap - median) <= tick_s + kRounding * median; };
     double sum = 0, count = 0;

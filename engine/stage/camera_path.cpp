@@ -164,10 +164,10 @@ glm::dquat turned_at(const KeyWindow& window, Interpolation interpolation) {
         if (has_segment(window, k)) mean[k] = turn(k) / window.seconds[k];
     const Ends<glm::dvec3> velocity = end_velocities(window, mean);
     const glm::dvec3 first = velocity.first * (seconds / 3), last = velocity.second * (seconds / 3);
-    const glm::dvec3 middle =
+    const glm::dvec3 centre =
         log_of(exp_of(-first) * glm::conjugate(from) * window.keys[2]->world_from_camera * exp_of(-last));
     const double v = 1 - u;  // the cumulative Bernstein polynomials of degree three
-    return from * exp_of((1 - v * v * v) * first) * exp_of((u * u * (3 - 2 * u)) * middle) * exp_of((u * u * u) * last);
+    return from * exp_of((1 - v * v * v) * first) * exp_of((u * u * (3 - 2 * u)) * centre) * exp_of((u * u * u) * last);
 }
 
 // The weight of a view's roll, 0 to 1: 0 near the vertical.

@@ -18,7 +18,7 @@ struct CameraPathKey {
     double angle_y = 0.6;                      // the whole vertical angle of view, radians
     std::optional<double> angle_x;             // the whole horizontal angle of view; where given, it replaces angle_y
     double stretch = 1;                        // fx / fy
-    glm::dvec2 shift{0};                       // the principal point, right of and below the middle, in image heights
+    glm::dvec2 shift{0};                       // the principal point, right of and below the centre, in image heights
     std::optional<double> clip_time;           // 0 first frame of the clip … 1 last; absent: the clip plays normally
 };
 

@@ -20,7 +20,7 @@ enum class StageBlend { kExact, kPaper };
 constexpr const char* kStageBlendNames[] = {"exact", "paper"};
 
 struct StageEnvironment {
-    std::string uri;  // of an equirectangular PNG, relative to the stage; its middle column lies at −Z
+    std::string uri;  // of an equirectangular PNG, relative to the stage; its centre column lies at −Z
     double intensity = 1;
     double rotation_deg = 0;  // about +Y, counter-clockwise seen from above
 };

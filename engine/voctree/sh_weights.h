@@ -19,7 +19,7 @@ struct ShDirection {
     glm::dvec3 d;
     double weight;  // all sum to 4π
 };
-// The 26 directions from the middle of a cube to its faces, edges and corners. Exact for polynomials of degree 7
+// The 26 directions from the centre of a cube to its faces, edges and corners. Exact for polynomials of degree 7
 // (Lebedev).
 const std::array<ShDirection, 26>& sh_directions();
 

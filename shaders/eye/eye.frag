@@ -33,7 +33,7 @@ float metres_at(uvec2 pixel, int texel) {
 }
 
 // The darkness of the vignette at a position of the image, 0 to 1. It grows with the angle from the optical axis, which
-// is not the image's middle: so both eyes see it in the same directions.
+// is not the image's centre: so both eyes see it in the same directions.
 float vignette(vec2 at) {
     const vec3 line = camera_line(view, at);
     const float from_axis = sqrt(max(dot(line, line) - 1.0, 0.0));

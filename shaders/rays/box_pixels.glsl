@@ -11,11 +11,11 @@ void add_cut(inout vec4 bounds, vec3 a, vec3 b) {
     bounds = vec4(min(bounds.xy, cut), max(bounds.zw, cut));
 }
 
-// Bounds of a box, all of which lies at least `nearest` before the eye: relative to the pixel p of its middle, the box
+// Bounds of a box, all of which lies at least `nearest` before the eye: relative to the pixel p of its centre, the box
 // is (xy − p z) / z, and numerator and z each have their bounds at corners. A little too large where z differs much.
 vec4 whole_box_pixels(vec3 low, mat3 edges, float nearest) {
-    const vec3 middle = low + 0.5 * (edges[0] + edges[1] + edges[2]);
-    const vec2 p = middle.xy / middle.z;
+    const vec3 centre = low + 0.5 * (edges[0] + edges[1] + edges[2]);
+    const vec2 p = centre.xy / centre.z;
     vec2 first = low.xy - p * low.z, last = first;
     for (uint axis = 0u; axis < 3u; ++axis) {
         const vec2 edge = edges[axis].xy - p * edges[axis].z;

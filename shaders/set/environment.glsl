@@ -1,4 +1,4 @@
-// The environment of a stage: an equirectangular image whose middle is towards −Z and whose top is +Y, rotated about
+// The environment of a stage: an equirectangular image whose centre is towards −Z and whose top is +Y, rotated about
 // +Y. Mip level i is blurred as a surface of roughness i / last mirrors the image. The includer declares
 //   uniform Lights { ShaderLights lights; };  uniform sampler2D environment;
 #ifndef NEUVV_ENVIRONMENT_GLSL

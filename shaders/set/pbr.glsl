@@ -26,8 +26,8 @@ vec3 reflect_light(Surface s, vec3 to_eye, vec3 to_light) {
     const float nl = dot(s.normal, to_light);
     if (nl <= 0.0) return vec3(0.0);
     const float nv = max(abs(dot(s.normal, to_eye)), 1e-4);
-    const vec3 middle = normalize(to_eye + to_light + 1e-7 * s.normal);
-    const float nh = clamp(dot(s.normal, middle), 0.0, 1.0), vh = clamp(dot(to_eye, middle), 0.0, 1.0);
+    const vec3 centre = normalize(to_eye + to_light + 1e-7 * s.normal);
+    const float nh = clamp(dot(s.normal, centre), 0.0, 1.0), vh = clamp(dot(to_eye, centre), 0.0, 1.0);
     const float alpha2 = s.roughness * s.roughness * s.roughness * s.roughness;
     const float lobe = nh * nh * (alpha2 - 1.0) + 1.0;
     const float d = alpha2 / (kPi * lobe * lobe);

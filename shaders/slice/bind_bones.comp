@@ -1,4 +1,4 @@
-// Bind bones: the bone of each entry of a slice tree, which is the one whose surface is nearest to the leaf's middle.
+// Bind bones: the bone of each entry of a slice tree, which is the one whose surface is nearest to the leaf's centre.
 // Reads the leaves of entries and their positions; writes a byte per entry. One thread for four entries, dispatched
 // indirectly once a slice. Bound by arithmetic: about 20 operations per entry and bone.
 #version 460
@@ -14,7 +14,7 @@ READ_ARRAY(uvec2, kBindPositions, leaf_positions);
 layout(binding = kBindCount, std430) readonly buffer Count { LiveCount counts[]; };
 WRITE_ARRAY(uint, kBindOut, entry_bones);
 layout(push_constant) uniform Push { BindBonesPush push; };
-#include "slice/leaf_middle.glsl"
+#include "slice/leaf_centre.glsl"
 
 // How far a point lies outside of a bone, metres; negative: inside.
 float distance_to(ShaderBone bone, vec3 point) {
@@ -45,7 +45,7 @@ void main() {
         const uint leaf = entry < slots ? FETCH(entry_leaf, int(push.slice * push.capacity + entry)).x : kNoLeaf;
         uint bone = kNoBone;
         if (leaf != kNoLeaf)
-            bone = nearest_bone(leaf_middle(FETCH(leaf_positions, int(leaf)).xy, push.box_min.xyz, push.box_size.xyz));
+            bone = nearest_bone(leaf_centre(FETCH(leaf_positions, int(leaf)).xy, push.box_min.xyz, push.box_size.xyz));
         bones |= bone << 8u * i;
     }
     STORE(entry_bones, int(push.slice * push.bone_words + word), uvec4(bones));

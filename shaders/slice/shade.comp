@@ -1,4 +1,4 @@
-// Shade: evaluates the SH of every live leaf once for an eye, in the direction from the eye to the leaf's middle
+// Shade: evaluates the SH of every live leaf once for an eye, in the direction from the eye to the leaf's centre
 // instead of along each ray, so that a sample needs only one fetch.
 // Reads entries of a slice tree and their leaves; writes one shaded entry each. One thread per entry, dispatched
 // indirectly. Bound by memory: 8·(n_max+1)² + 20 bytes per entry.
@@ -15,12 +15,12 @@ READ_ARRAY(uvec2, kShadePositions, leaf_positions);
 layout(binding = kShadeCount, std430) readonly buffer Count { LiveCount counts[]; };
 WRITE_ARRAY(uvec2, kShadeOut, shaded);
 layout(push_constant) uniform Push { ShadePush push; };
-#include "slice/leaf_middle.glsl"
+#include "slice/leaf_centre.glsl"
 #include "slice/sh.glsl"
 
-// The unit direction, in the performer's space, from the eye to the middle of a leaf.
+// The unit direction, in the performer's space, from the eye to the centre of a leaf.
 vec3 direction_of(uvec2 position) {
-    const vec3 line = leaf_middle(position, push.box_min.xyz, push.box_size.xyz) - push.eye.xyz;
+    const vec3 line = leaf_centre(position, push.box_min.xyz, push.box_size.xyz) - push.eye.xyz;
     return line * inversesqrt(max(dot(line, line), 1e-20));
 }
 

@@ -10,7 +10,7 @@ struct Composite {
 
 Composite composite_begin() { return Composite(vec3(0.0), 1.0, 0.0); }
 
-// One segment of density σ (1/m), length δ (m), colour c, middle z (m). Returns its blending weight T α.
+// One segment of density σ (1/m), length δ (m), colour c, centre z (m). Returns its blending weight T α.
 float composite_add(inout Composite sum, float sigma, float delta, vec3 c, float z) {
     const float alpha = 1.0 - exp(-sigma * delta);
     const float weight = sum.transmittance * alpha;

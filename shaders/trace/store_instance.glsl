@@ -27,7 +27,7 @@ bool is_hidden(Ray ray) {
 
 uint first_page = 0u, page = 0u, in_page = 0u;
 bool no_room = false;
-float surface_t = -1.0;  // in the middle of the segment where the ray meets the surface; < 0 before it does
+float surface_t = -1.0;  // in the centre of the segment where the ray meets the surface; < 0 before it does
 
 // Whether another instance of the group may cover the ray's tile. Elsewhere a layer gives the same result at a lower
 // cost than segments.

@@ -175,7 +175,7 @@ glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 place) {
     return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
 }
 
-// A camera that looks along world −Z: the rays of its middle column and row lie in planes between cells.
+// A camera that looks along world −Z: the rays of its centre column and row lie in planes between cells.
 stage::Camera axis_camera(glm::dvec3 eye) {
     stage::Camera camera = look_at(eye, eye - glm::dvec3(0, 0, 1), kWidth, kHeight);
     camera.fx = camera.fy = 64;
@@ -200,7 +200,7 @@ std::vector<View> views(const voctree::VOctree& tree) {
             {"off centre", off_centre},
             {"inside", look({0.43, 0.57, 0.61}, {0.1, 0.2, 0.05}, 0.5)},
             {"before a face", look({0.48, 0.47, 1.6}, {0.5, 0.52, 0.1}, 0.9)},
-            {"on the middle of all", look({0.5, 0.5, 0.5}, {0.9, 0.6, 0.2}, 0.5)},
+            {"on the centre of all", look({0.5, 0.5, 0.5}, {0.9, 0.6, 0.2}, 0.5)},
             {"axis-parallel", axis_camera(world_of(tree, {0.371, 0.523, 1.9}))},
             {"in a plane between cells", axis_camera(world_of(tree, {0.5, 0.523, 1.9}))},
             {"behind", look({0.5, 0.5, 1.2}, {0.5, 0.6, 3}, 2), false}};

@@ -147,17 +147,17 @@ double least_share(Limb limb, double angle_deg) {
         const motion::Pose& shown = dancer().frames[frame];
         const auto errors = coach::joint_errors(coach::ghost_of(trainee.frames[frame], shown, 0), shown, red);
         if (errors.empty()) continue;
-        const glm::dvec3 middle = motion::at(shown, motion::Joint::kPelvis).position;
+        const glm::dvec3 centre = motion::at(shown, motion::Joint::kPelvis).position;
         const auto body = coach::body_of(shown, height_of(dancer()));
         const Skin skin = skin_at(static_cast<double>(frame) / kFps);
         coach::ViewChooser chooser;
-        const auto chosen = chooser.choose(errors, body, middle, distance, 0.02);
+        const auto chosen = chooser.choose(errors, body, centre, distance, 0.02);
         double best = 0;
         for (int height_deg = -15; height_deg <= 60; height_deg += 15)
             for (int turn_deg = 0; turn_deg < 360; turn_deg += 10) {
                 const double up = glm::radians(double(height_deg)), turn = glm::radians(double(turn_deg));
                 const glm::dvec3 direction(std::cos(up) * std::sin(turn), std::sin(up), std::cos(up) * std::cos(turn));
-                best = std::max(best, seen_past_skin(errors, skin, middle + distance * direction));
+                best = std::max(best, seen_past_skin(errors, skin, centre + distance * direction));
             }
         const double share = seen_past_skin(errors, skin, chosen.value()) / best;
         EXPECT_GE(share, 0.8) << motion::kLimbNames[motion::index_of(limb)] << ", frame " << frame;

@@ -51,8 +51,8 @@ TEST_F(Edits, ANewStageIsLitAndSeen) {
         const stage::Stage stage = stage::load_stage(at(name));
         const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0);
         ASSERT_EQ(evaluated.lights.size(), 1u);
-        const glm::dvec3 to_middle = glm::dvec3(0, 1, 0) - evaluated.lights[0].position;
-        expect_near(evaluated.lights[0].direction, glm::normalize(to_middle), 1e-5);
+        const glm::dvec3 to_centre = glm::dvec3(0, 1, 0) - evaluated.lights[0].position;
+        expect_near(evaluated.lights[0].direction, glm::normalize(to_centre), 1e-5);
         const stage::Camera camera = stage::camera_of(stage, "camera", evaluated, 64, 64);
         expect_near(front(camera.world_from_camera),
                     glm::normalize(position(camera.world_from_camera) - glm::dvec3(0, 1, 0)), 1e-5);
@@ -208,11 +208,11 @@ TEST_F(Edits, ARingLooksOutwardAndComesLater) {
     edit::CopySettings ring{
         .count = 5, .pattern = edit::CopyPattern::kRing, .distance_m = 2, .stagger = {1, true}, .spin_step = 10};
     edit::duplicate_node(file, edit::find_node(file, "eva"), ring);
-    const glm::dvec3 middle(0, 0.5, 1);
+    const glm::dvec3 centre(0, 0.5, 1);
     std::set<std::pair<int, int>> positions;
     for (int i = 0; i < 6; ++i) {
         const stage::EvaluatedPerformer copy = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 0);
-        const glm::dvec3 out = position(copy.world_from_performer) - middle;
+        const glm::dvec3 out = position(copy.world_from_performer) - centre;
         EXPECT_NEAR(glm::length(out), 2, 1e-6);
         expect_near(front(copy.world_from_performer), glm::normalize(out), 1e-5);
         EXPECT_NEAR(out.y, 0, 1e-9);

@@ -40,7 +40,7 @@ TEST(Canvas, KnowsPlacesDensitiesAndColoursAsTheReferenceDoes) {
                     EXPECT_NEAR(colour[c], 1 / (1 + std::exp(-0.28209479 * k)), 1e-4);
                 }
                 const glm::dvec3 at =
-                    (glm::dvec3(canvas.middles[leaf]) - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
+                    (glm::dvec3(canvas.centres[leaf]) - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
                 EXPECT_EQ(voctree::find_leaf(tree, at), leaf);
             }
         }
@@ -54,7 +54,7 @@ TEST(Regions, CombineAndChooseTheLeavesThatLive) {
     const edit::Region right = edit::box_region({0.45f, 0, 0}, {1, 1, 1});
     const auto count = [&](const edit::Region& region, float first, float last) {
         const std::vector<uint32_t> leaves = edit::leaves_in(canvas, region, first, last);
-        for (const uint32_t leaf : leaves) EXPECT_TRUE(region(canvas.middles[leaf]));
+        for (const uint32_t leaf : leaves) EXPECT_TRUE(region(canvas.centres[leaf]));
         return leaves.size();
     };
     const double cells = 4.0 / 3 * M_PI * std::pow(kHeadRadius * kFigureSide, 3);
@@ -100,7 +100,7 @@ TEST(Brushes, FadeFromHardnessToRadiusAndEndWhereTheSurfaceDoes) {
     for (const voctree::LeafEdit& edit :
          edit::stroke(canvas, sigma, brush, std::vector<edit::Touch>{{a, a}, {b, b}, {far, far}})) {
         EXPECT_GT(sigma[edit.leaf], 0);
-        const glm::vec3 at = canvas.middles[edit.leaf];
+        const glm::vec3 at = canvas.centres[edit.leaf];
         const float along = glm::clamp((at.y - a.y) / 0.08f, 0.0f, 1.0f);
         const float away = std::min(glm::distance(at, a + along * (b - a)), glm::distance(at, far));
         EXPECT_LT(away, brush.radius_m);
@@ -109,7 +109,7 @@ TEST(Brushes, FadeFromHardnessToRadiusAndEndWhereTheSurfaceDoes) {
         touched.insert(edit.leaf);
     }
     for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
-        const bool inside = glm::distance(canvas.middles[leaf], a) < 0.059f && sigma[leaf] > 0;
+        const bool inside = glm::distance(canvas.centres[leaf], a) < 0.059f && sigma[leaf] > 0;
         EXPECT_TRUE(!inside || touched.contains(leaf));
     }
     EXPECT_FALSE(touched.contains(voctree::find_leaf(tree, glm::dvec3(glm::mix(b, far, 0.5f)))))
@@ -289,7 +289,7 @@ ProjectionFaults faults_of(const voctree::VOctree& tree, const edit::Canvas& can
             }
         }
     for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
-        const glm::vec3 at = canvas.middles[leaf];
+        const glm::vec3 at = canvas.centres[leaf];
         const bool behind = at.z < kHead.z - 0.1 && at.y > 0.5f;  // leaves within the outline reach this far
         faults.behind += behind && alpha[leaf] > 0;
     }
@@ -298,7 +298,7 @@ ProjectionFaults faults_of(const voctree::VOctree& tree, const edit::Canvas& can
 
 // Everything that the camera sees is painted, whether pixels are smaller than leaves or larger, and whatever the
 // performer's transform is. What lies behind the surface is not painted. Colours are those of the image where the
-// middle of the leaf is visible.
+// centre of the leaf is visible.
 TEST_F(ToolsTest, ProjectionLeavesNoHolesAndPaintsNothingBehind) {
     const voctree::VOctree tree = figure_tree();
     const edit::Canvas canvas(tree);
@@ -429,15 +429,15 @@ TEST(Carry, EditsGoToWhatLiesThereInAnotherTree) {
         0.5f * from.edges_m[0] * moved.box_size / (moved.box_size.x + moved.box_size.y + moved.box_size.z) * 3.0f;
     moved.box_min += half;
     const edit::Canvas to(moved);
-    const glm::vec3 middle(kHead);
+    const glm::vec3 centre(kHead);
     const auto radius = static_cast<float>(kHeadRadius);
     std::vector<voctree::LeafEdit> edits;
-    for (const uint32_t leaf : edit::all_leaves_in(from, edit::sphere_region(middle, 0.6f * radius)))
+    for (const uint32_t leaf : edit::all_leaves_in(from, edit::sphere_region(centre, 0.6f * radius)))
         edits.push_back({.leaf = leaf, .colour = {0, 1, 0}, .alpha = leaf % 2 ? 1.0f : 0.5f, .sigma = 7});
     std::set<uint32_t> painted;
     for (const voctree::LeafEdit& edit : edit::carried(from, edits, to)) {
         EXPECT_TRUE(painted.insert(edit.leaf).second);
-        const float distance = glm::distance(to.middles[edit.leaf], middle);
+        const float distance = glm::distance(to.centres[edit.leaf], centre);
         EXPECT_LT(distance, 0.6f * radius + 2 * from.edges_m[0]);
         EXPECT_EQ(edit.colour, glm::vec3(0, 1, 0));
         EXPECT_TRUE(edit.alpha == 1 || edit.alpha == 0.5f);
@@ -448,7 +448,7 @@ TEST(Carry, EditsGoToWhatLiesThereInAnotherTree) {
             EXPECT_EQ(edit.sigma, voctree::kKeepSigma) << "less than half of it";
         }
     }
-    for (const uint32_t leaf : edit::all_leaves_in(to, edit::sphere_region(middle, 0.6f * radius - from.edges_m[0])))
+    for (const uint32_t leaf : edit::all_leaves_in(to, edit::sphere_region(centre, 0.6f * radius - from.edges_m[0])))
         EXPECT_TRUE(painted.contains(leaf)) << leaf;
     EXPECT_TRUE(edit::carried(from, {}, to).empty());
     // To the same tree they come back as they are.

@@ -77,7 +77,7 @@ TEST(Pointer, ALineIsDraggedToWhereThePointerIs) {
 TEST(Pointer, LinesHaveNoJumpWhereTheyVanish) {
     stage::Camera camera = some_camera();
     camera.world_from_camera = glm::dmat4(1);
-    const glm::dvec3 through(0, -1, -4), along(0, 0, -1);  // vanishes in the middle of the image
+    const glm::dvec3 through(0, -1, -4), along(0, 0, -1);  // vanishes in the centre of the image
     double before = -1;
     for (double y = 400; y >= 0; y -= 0.01) {
         const double s = editor::line_drag(camera, through, along, 1, {camera.cx, y}).value();

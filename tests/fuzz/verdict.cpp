@@ -98,9 +98,9 @@ std::string complaint_about_clip(const std::function<voctree::VOctree()>& load) 
         if (positions.size() != tree.leaf_count) return "gave leaves without a position";
         for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
             const voctree::LeafPosition& at = positions[leaf];
-            const glm::dvec3 middle =
+            const glm::dvec3 centre =
                 (glm::dvec3(at.x, at.y, at.z) + 0.5) * std::ldexp(1.0, -static_cast<int>(at.depth));
-            if (voctree::find_leaf(tree, middle) != leaf) return "gave a leaf that is not found where it stands";
+            if (voctree::find_leaf(tree, centre) != leaf) return "gave a leaf that is not found where it stands";
         }
         return {};
     });

@@ -28,7 +28,7 @@ constexpr double kCoachTime_s = 1.5;  // of the clip
 
 struct CoachGolden : GpuTest {
     const motion::SkeletonClip dancer = performer_motion(75);
-    const glm::dvec3 middle =
+    const glm::dvec3 centre =
         motion::at(motion::pose_at(dancer, kCoachTime_s* dancer.fps), motion::Joint::kPelvis).position;
     const voctree::VOctree tree = body_tree(dancer, 2, static_cast<float>(1 / kCoachTime_s));
     render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
@@ -36,7 +36,7 @@ struct CoachGolden : GpuTest {
 
     // From the front and a little above, at a point over the pelvis.
     stage::Camera camera(double distance_m, double above_m) const {
-        const glm::dvec3 target = middle + glm::dvec3(0, above_m, 0);
+        const glm::dvec3 target = centre + glm::dvec3(0, above_m, 0);
         return look_at(target + distance_m * glm::dvec3(0.25, 0.2, 1), target, kCoachWidth, kCoachHeight, 1.1);
     }
     media::Image image(const std::vector<render::Instance>& instances, const stage::Camera& seen_by) {

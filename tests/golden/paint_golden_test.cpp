@@ -103,7 +103,7 @@ TEST_F(PaintGolden, RegionsErasedRecolouredAndBroughtToLife) {
 TEST_F(PaintGolden, PaintThatFollowsTheSurfacesLeavesAndPaintThatDoesNot) {
     const std::vector<uint32_t> head = edit::leaves_in(canvas, edit::sphere_region(glm::vec3(kHead), 0.3f), 0, 0);
     std::vector<uint32_t> upper, lower;
-    for (const uint32_t leaf : head) (canvas.middles[leaf].y > kHead.y ? upper : lower).push_back(leaf);
+    for (const uint32_t leaf : head) (canvas.centres[leaf].y > kHead.y ? upper : lower).push_back(leaf);
     add(edit::fill_leaves(upper, {0.9f, 0.1f, 0.1f}, 1), {0, 0, edit::Follow::kAll});
     add(edit::fill_leaves(lower, {0.1f, 0.1f, 0.9f}, 1), {0, 0, edit::Follow::kNot});
     expect_golden("paint_follow", 1);  // upper leaves that the head still fills are red, no lower leaf is blue
@@ -112,8 +112,8 @@ TEST_F(PaintGolden, PaintThatFollowsTheSurfacesLeavesAndPaintThatDoesNot) {
 TEST_F(PaintGolden, BlendsBesideEachOther) {
     std::vector<voctree::LeafEdit> stripes;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
-        if (std::fmod(canvas.middles[leaf].y, 0.16f) < 0.08f)
-            stripes.push_back({leaf, 0, 1, {0.1f, 0.3f, 0.9f}, canvas.middles[leaf].x < 0.45f ? 1.0f : 0.5f});
+        if (std::fmod(canvas.centres[leaf].y, 0.16f) < 0.08f)
+            stripes.push_back({leaf, 0, 1, {0.1f, 0.3f, 0.9f}, canvas.centres[leaf].x < 0.45f ? 1.0f : 0.5f});
     add(stripes);
     const stage::PaintBlend blends[] = {stage::PaintBlend::kNormal, stage::PaintBlend::kMultiply,
                                         stage::PaintBlend::kTint, stage::PaintBlend::kRecolour};

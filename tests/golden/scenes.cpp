@@ -14,8 +14,8 @@ GoldenScene random_scene(const std::string& name) {
     GoldenScene scene;
     scene.name = name;
     scene.tree = random_tree({.seed = 21, .node_levels = 2, .leaves = 400, .bases = 6, .hh_degree = 2});
-    const glm::dvec3 middle = glm::dvec3(scene.tree.box_min) + 0.5 * glm::dvec3(scene.tree.box_size);
-    scene.camera = look_at(middle + glm::dvec3(1.6, 1.3, 2.4), middle, kSize, kSize, 1.05);
+    const glm::dvec3 centre = glm::dvec3(scene.tree.box_min) + 0.5 * glm::dvec3(scene.tree.box_size);
+    scene.camera = look_at(centre + glm::dvec3(1.6, 1.3, 2.4), centre, kSize, kSize, 1.05);
     scene.settings.instances[0].frame = 2;
     scene.settings.width = scene.settings.height = kSize;
     return scene;

@@ -30,9 +30,9 @@ media::Image studs() {
     media::Image image(64, 64);
     for (uint32_t y = 0; y < 64; ++y)
         for (uint32_t x = 0; x < 64; ++x) {
-            const glm::dvec2 from_middle((x % 16 - 7.5) / 6, -(y % 16 - 7.5) / 6);
-            const double square = glm::dot(from_middle, from_middle);
-            const glm::dvec3 n = square < 1 ? glm::normalize(glm::dvec3(from_middle, 1.2)) : glm::dvec3(0, 0, 1);
+            const glm::dvec2 from_centre((x % 16 - 7.5) / 6, -(y % 16 - 7.5) / 6);
+            const double square = glm::dot(from_centre, from_centre);
+            const glm::dvec3 n = square < 1 ? glm::normalize(glm::dvec3(from_centre, 1.2)) : glm::dvec3(0, 0, 1);
             for (int c = 0; c < 3; ++c) image.at(x, y)[c] = static_cast<uint8_t>(std::lround(127.5 * (n[c] + 1)));
             image.at(x, y)[3] = 255;
         }

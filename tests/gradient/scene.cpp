@@ -49,9 +49,9 @@ Scene random_scene(const SceneOptions& options) {
     scene.tree = random_tree(options.tree);
     for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; ++leaf)
         for (uint32_t c = 0; c < scene.tree.bases; ++c) scene.tree.leaf(leaf)[c] *= options.density;
-    const glm::dvec3 middle = glm::dvec3(scene.tree.box_min) + 0.5 * glm::dvec3(scene.tree.box_size);
-    scene.cameras = {look_at(middle + glm::dvec3(1.9, 1.2, 2.4), middle, kWidth, kHeight, 1.2),
-                     look_at(middle + glm::dvec3(-2.3, 0.4, 1.3), middle, kWidth, kHeight, 1.0)};
+    const glm::dvec3 centre = glm::dvec3(scene.tree.box_min) + 0.5 * glm::dvec3(scene.tree.box_size);
+    scene.cameras = {look_at(centre + glm::dvec3(1.9, 1.2, 2.4), centre, kWidth, kHeight, 1.2),
+                     look_at(centre + glm::dvec3(-2.3, 0.4, 1.3), centre, kWidth, kHeight, 1.0)};
     scene.stop = options.stop;
     return with_tiles(std::move(scene), 3, 7, options.tree.seed + 100);
 }

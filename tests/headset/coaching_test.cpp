@@ -23,26 +23,26 @@ glm::dvec3 moved(const glm::dmat4& by, const glm::dvec3& point) {
 }
 
 TEST(TrainerTurnTest, TheSideThatFacesTheEyeFacesTheHeadAfterIt) {
-    const glm::dvec3 middle(0.5, 1, -0.2), eye(2.5, 1.4, -0.2), head(0.3, 1.7, 4);
+    const glm::dvec3 centre(0.5, 1, -0.2), eye(2.5, 1.4, -0.2), head(0.3, 1.7, 4);
     TrainerTurn turn;
-    turn.show(middle, eye, head);
+    turn.show(centre, eye, head);
     EXPECT_EQ(turn.angle_rad(), 0) << "it begins where the trainer is";
     turn.advance(TrainerTurn::kTurn_s / 2);
-    const double whole = heading(head - middle) - heading(eye - middle);
+    const double whole = heading(head - centre) - heading(eye - centre);
     EXPECT_NEAR(turn.angle_rad(), whole / 2, 1e-9);
     turn.advance(TrainerTurn::kTurn_s);
     const glm::dmat4 turned = turn.performer_from_turned();
     EXPECT_NEAR(turn.angle_rad(), whole, 1e-9);
-    EXPECT_NEAR(heading(moved(turned, eye) - middle), heading(head - middle), 1e-9);
+    EXPECT_NEAR(heading(moved(turned, eye) - centre), heading(head - centre), 1e-9);
     EXPECT_NEAR(moved(turned, eye).y, eye.y, 1e-9) << "its axis is vertical";
-    EXPECT_LT(glm::distance(moved(turned, middle), middle), 1e-9);
+    EXPECT_LT(glm::distance(moved(turned, centre), centre), 1e-9);
 
     // Another one goes on from there; head and eye are in the space that is drawn now.
-    turn.show(middle, eye, moved(glm::inverse(turned), head + glm::dvec3(3, 0, 0)));
+    turn.show(centre, eye, moved(glm::inverse(turned), head + glm::dvec3(3, 0, 0)));
     EXPECT_NEAR(turn.angle_rad(), whole, 1e-9);
     turn.advance(1);
-    EXPECT_NEAR(heading(moved(turn.performer_from_turned(), eye) - middle),
-                heading(head + glm::dvec3(3, 0, 0) - middle), 1e-9);
+    EXPECT_NEAR(heading(moved(turn.performer_from_turned(), eye) - centre),
+                heading(head + glm::dvec3(3, 0, 0) - centre), 1e-9);
 }
 
 TEST(TrainerTurnTest, ItTakesTheShorterWayAndStaysWhereThereIsNoHeading) {

@@ -46,7 +46,7 @@ struct BrushHandTest : HandsAtAStage {
             for (const voctree::LeafEdit& edit : layer->edits) leaves.insert(edit.leaf);
         return leaves;
     }
-    // The expected leaves: those that are ever visible, and whose middles lie within `radius_m` (world) of a position.
+    // The expected leaves: those that are ever visible, and whose centres lie within `radius_m` (world) of a position.
     std::set<uint32_t> within(const std::vector<glm::dvec3>& positions, double radius_m) const {
         const voctree::VOctree tree = figure_tree();
         const edit::Canvas canvas(tree);
@@ -54,11 +54,11 @@ struct BrushHandTest : HandsAtAStage {
         const voctree::EditLayer none{voctree::painted_field(tree), {}};
         std::set<uint32_t> leaves;
         for (const glm::dvec3& position : positions) {
-            const glm::vec3 middle(performer_from_world * glm::dvec4(position, 1));
+            const glm::vec3 centre(performer_from_world * glm::dvec4(position, 1));
             editor::PaintOperation operation;
             operation.frames = {0, 1, edit::Follow::kNot};
             for (const editor::SelectedLeaf& leaf : editor::leaves_for(
-                     canvas, none, edit::sphere_region(middle, static_cast<float>(radius_m / 1.6)), operation))
+                     canvas, none, edit::sphere_region(centre, static_cast<float>(radius_m / 1.6)), operation))
                 leaves.insert(leaf.leaf);
         }
         return leaves;
@@ -424,7 +424,7 @@ TEST_F(BrushHandTest, AClipInSegmentsIsPaintedInTheOthersToo) {
     const auto files = voctree::files_of_layer(state.editor.document().paint, layers->front().path);
     ASSERT_EQ(files.size(), 2u);
     const glm::dmat4 performer_from_world = glm::inverse(state.evaluated.performers[1].world_from_performer);
-    const glm::vec3 middle(performer_from_world * glm::dvec4(head_of_ben, 1));
+    const glm::vec3 centre(performer_from_world * glm::dvec4(head_of_ben, 1));
     uint32_t number = 0;
     for (const auto& [file, layer] : files) {
         const voctree::VOctree tree = voctree::read_nvv(parts / voctree::segment_file_name(number));
@@ -433,7 +433,7 @@ TEST_F(BrushHandTest, AClipInSegmentsIsPaintedInTheOthersToo) {
         std::set<uint32_t> painted, near;
         for (const voctree::LeafEdit& one : layer->edits) painted.insert(one.leaf);
         for (const uint32_t leaf :
-             edit::leaves_in(canvas, edit::sphere_region(middle, static_cast<float>(state.brush.radius_m / 1.6)), 0, 0))
+             edit::leaves_in(canvas, edit::sphere_region(centre, static_cast<float>(state.brush.radius_m / 1.6)), 0, 0))
             near.insert(leaf);
         ASSERT_GT(painted.size(), 10u) << number;
         // What was not there at the time of the stroke is not painted.

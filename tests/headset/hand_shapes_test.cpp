@@ -44,10 +44,10 @@ TEST_F(HandShapesTest, ThereIsAFloorWhereThereIsNoSet) {
     headset::draw_floor(shapes, state);
     EXPECT_FALSE(shapes.translucent().empty());
     for (const xr::ShapeVertex& corner : shapes.translucent()) EXPECT_NEAR(corner.position.y, state.floor_m, 0.01);
-    const auto is_dark_at = [&](glm::dvec3 middle) {
-        middle.y = state.floor_m;
+    const auto is_dark_at = [&](glm::dvec3 centre) {
+        centre.y = state.floor_m;
         return std::ranges::any_of(shapes.translucent(), [&](const xr::ShapeVertex& corner) {
-            return glm::distance(glm::dvec3(corner.position), middle) < 0.01 && corner.colour.r == 0 &&
+            return glm::distance(glm::dvec3(corner.position), centre) < 0.01 && corner.colour.r == 0 &&
                    corner.colour.a > 0.5f;
         });
     };

@@ -15,7 +15,7 @@
 
 namespace neuvv::test {
 
-// The middles of anna and ben, who are 1.6 m high and stand 2 m before the user; and the hands' first positions.
+// The centres of anna and ben, who are 1.6 m high and stand 2 m before the user; and the hands' first positions.
 constexpr glm::dvec3 kAnna(-0.8, 0.8, -2), kBen(0.8, 0.8, -2), kRightHand(0.2, 1.2, -0.3), kLeftHand(-0.2, 1.2, -0.3);
 
 inline xr::Pose pointing(glm::dvec3 from, glm::dvec3 to) {
@@ -27,12 +27,12 @@ class HandsAtAStage : public testing::Test {
     HandsAtAStage() : jobs([this](const std::string& problem) { state.editor.notify(problem, true); }, [] {}) {
         voctree::write_nvv(clip, figure_tree());
         stage::StageFile file = edit::new_stage(folder.path / "stage.gltf");
-        for (const auto& [name, middle] : {std::pair{"anna", kAnna}, std::pair{"ben", kBen}}) {
+        for (const auto& [name, centre] : {std::pair{"anna", kAnna}, std::pair{"ben", kBen}}) {
             edit::PerformerEdit performer;
             performer.clip = clip;
             edit::Placement placement;
             placement.matrix =
-                glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, middle.x - 0.8, 0, middle.z - 0.8, 1);
+                glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, centre.x - 0.8, 0, centre.z - 0.8, 1);
             edit::add_performer(file, name, performer, placement);
         }
         state.editor.open({std::move(file), {}, {}}, false);

@@ -326,12 +326,12 @@ struct TeleportTest : InteractionTest {
         const double wanted_m =
             glm::distance(glm::dvec2(floor_point.x, floor_point.z), glm::dvec2(kLeftHand.x, kLeftHand.z));
         for (int i = 0; i < 60; ++i) {
-            const double middle = 0.5 * (low + high);
-            point(xr::kLeft, kLeftHand, kLeftHand + std::cos(middle) * across + glm::dvec3(0, std::sin(middle), 0));
+            const double centre = 0.5 * (low + high);
+            point(xr::kLeft, kLeftHand, kLeftHand + std::cos(centre) * across + glm::dvec3(0, std::sin(centre), 0));
             const auto arc = xr::teleport_arc(*inputs[xr::kLeft].aim, state.floor_m);
             const bool far = !arc.landing || glm::distance(glm::dvec2(arc.landing->x, arc.landing->z),
                                                            glm::dvec2(kLeftHand.x, kLeftHand.z)) > wanted_m;
-            (far ? high : low) = middle;
+            (far ? high : low) = centre;
         }
     }
     void teleport(glm::dvec3 floor_point, const std::vector<glm::dvec2>& sticks = {{0, 1}}) {

@@ -41,7 +41,7 @@ TEST(HintLines, WithoutAMenuTheLongPressOfTheLeftHandIsSaid) {
 struct HintPlaces : HandsAtAStage {
     xr::Pose plate() const { return headset::hint_plate(interaction.hands[xr::kRight], world_head(), 1, is_new); }
     xr::Pose world_head() const { return xr::world_from_tracking(state.rig) * head; }
-    double from_middle_deg() const {
+    double from_centre_deg() const {
         const glm::dvec3 towards = glm::normalize(plate().position - world_head().position);
         return glm::degrees(std::acos(glm::clamp(glm::dot(towards, xr::forward_of(world_head())), -1.0, 1.0)));
     }
@@ -51,10 +51,10 @@ struct HintPlaces : HandsAtAStage {
 TEST_F(HintPlaces, HandsThatHangDownHaveTheirHintsInView) {
     point(xr::kRight, {0.25, 0.75, -0.1}, {0.25, 0.75, -2});
     frame();
-    EXPECT_LT(from_middle_deg(), 25) << "in view";
+    EXPECT_LT(from_centre_deg(), 25) << "in view";
     EXPECT_GT((xr::inverse(world_head()) * plate().position).x, 0) << "on the hand's side";
     is_new = false;
-    EXPECT_GT(from_middle_deg(), 60) << "once a button was used, at the hand";
+    EXPECT_GT(from_centre_deg(), 60) << "once a button was used, at the hand";
     is_new = true;
     point(xr::kRight, {0.1, 1.4, -0.5}, {0.1, 1.4, -2});
     frame();

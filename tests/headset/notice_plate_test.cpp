@@ -26,7 +26,7 @@ TEST(NoticePlate, ItIsInViewForSomeSecondsWithoutThePanel) {
     plate.update(kHead, {}, kFrame_s);
     EXPECT_EQ(plate.lines(), std::vector<std::string>{"saved show-2.gltf"});
     EXPECT_LT(degrees_off(plate, kHead), 20);
-    EXPECT_LT(plate.world_from_plate().position.y, kHead.position.y) << "below the middle of the view";
+    EXPECT_LT(plate.world_from_plate().position.y, kHead.position.y) << "below the centre of the view";
     for (double t = 0; t < NoticePlate::kShown_s; t += kFrame_s) plate.update(kHead, {}, kFrame_s);
     EXPECT_TRUE(plate.lines().empty());
 }

@@ -56,7 +56,7 @@ class PanelAtAStage : public HandsAtAStage {
     void draw_settled() {
         for (int i = 0; i < 4; ++i) draw();
     }
-    // Takes a slider in its middle and drags it sideways, by shares of the panel's width.
+    // Takes a slider in its centre and drags it sideways, by shares of the panel's width.
     void drag(const std::string& item, std::initializer_list<double> to) {
         ASSERT_TRUE(has(item)) << item;
         const glm::dvec2 from = items[item];

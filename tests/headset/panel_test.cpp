@@ -16,8 +16,8 @@ double width_rad(const headset::PanelPlacement& panel, glm::dvec3 from) {
     return angle_between(panel.point_at({0, 0.5}) - from, panel.point_at({1, 0.5}) - from);
 }
 
-headset::PlacedBox box_at(glm::dvec3 middle, glm::dvec3 half) {
-    return {glm::translate(glm::dmat4(1), middle), -half, half};
+headset::PlacedBox box_at(glm::dvec3 centre, glm::dvec3 half) {
+    return {glm::translate(glm::dmat4(1), centre), -half, half};
 }
 
 void expect_inside_the_view(const headset::PanelPlacement& panel, const xr::Pose& head) {
@@ -286,7 +286,7 @@ TEST_F(PanelRows, ItOpensBesideWhoIsSelected) {
     frame();
     ASSERT_TRUE(interaction.panel);
     expect_inside_the_view(*interaction.panel, head);
-    EXPECT_LT(interaction.panel->point_at({1, 0.5}).x, 0) << "ben's box begins at the middle of the view";
+    EXPECT_LT(interaction.panel->point_at({1, 0.5}).x, 0) << "ben's box begins at the centre of the view";
     select(kAnna);
     EXPECT_LT(interaction.panel->point_at({1, 0.5}).x, 0) << "it stays where it is";
     inputs[xr::kLeft].menu = true;

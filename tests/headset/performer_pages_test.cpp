@@ -124,7 +124,7 @@ TEST_F(PerformerPages, AnOffsetIsDraggedInOneStep) {
     EXPECT_EQ(steps(), 4u);
 }
 
-TEST_F(PerformerPages, ASpinIsDraggedBothWaysAndStopsInTheMiddle) {
+TEST_F(PerformerPages, ASpinIsDraggedBothWaysAndStopsInTheCentre) {
     press("time page");
     drag("spin", {0.05, 0.2});
     const double spin = settings().spin_deg_per_s;

@@ -54,12 +54,12 @@ TEST_F(StandingTest, AUserWhoCentresTheSpaceStaysThereAndLooksAhead) {
     EXPECT_NEAR(xr::yaw_of(is.rotation), 0.2 - glm::radians(30.0), 1e-9) << "the start's heading, and a snap turn";
 }
 
-// The distance on the floor to the middle of what is solid of anna or ben, whoever is nearer.
+// The distance on the floor to the centre of what is solid of anna or ben, whoever is nearer.
 double to_nearest(glm::dvec3 at) {
     double nearest_m = INFINITY;
-    for (glm::dvec3 middle : {kAnna, kBen}) {
-        middle.x += 1.6 * (kHead.x - 0.5);
-        nearest_m = std::min(nearest_m, glm::distance(glm::dvec2(at.x, at.z), glm::dvec2(middle.x, middle.z)));
+    for (glm::dvec3 centre : {kAnna, kBen}) {
+        centre.x += 1.6 * (kHead.x - 0.5);
+        nearest_m = std::min(nearest_m, glm::distance(glm::dvec2(at.x, at.z), glm::dvec2(centre.x, centre.z)));
     }
     return nearest_m;
 }

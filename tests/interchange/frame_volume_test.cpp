@@ -51,8 +51,8 @@ void expect_live_leaves(const voctree::VOctree& tree, double frame) {
         EXPECT_NEAR(double{found->second.sigma}, truth[i].sigma, 1e-4 * truth[i].sigma);
         for (size_t c = 0; c < 3; ++c)
             for (size_t k = 0; k < 9; ++k) EXPECT_NEAR(double{found->second.colours[c][k]}, truth[i].k[c][k], 1e-4);
-        const glm::dvec3 middle = (glm::dvec3(at.x, at.y, at.z) + 0.5) / double(1u << at.depth);
-        const glm::dvec3 world = glm::dvec3(tree.box_min) + glm::dvec3(tree.box_size) * middle;
+        const glm::dvec3 centre = (glm::dvec3(at.x, at.y, at.z) + 0.5) / double(1u << at.depth);
+        const glm::dvec3 world = glm::dvec3(tree.box_min) + glm::dvec3(tree.box_size) * centre;
         EXPECT_LT(glm::distance(world, glm::dvec3(volume.centre_m(found->second))), 1e-6);
     }
     EXPECT_EQ(live, volume.leaves.size());

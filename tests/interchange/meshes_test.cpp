@@ -49,7 +49,7 @@ ColouredMesh textured() {
     return *interchange::clip_mesh(two_colours(), {0.5, 1500, 0, kSide}, [](std::string_view) {});
 }
 
-// A camera on +x that looks at the ball's middle from 3 m, or one on −x.
+// A camera on +x that looks at the ball's centre from 3 m, or one on −x.
 stage::Camera camera_at(double x) {
     stage::Camera camera = look_at({x, 0.5, 0.5}, {0.5, 0.5, 0.5}, 1, 1);
     camera.width = camera.height = 96;
@@ -160,11 +160,11 @@ TEST(MeshImage, ShowsTheBall) {
     const ColouredMesh mesh = textured();
     for (const double x : {3.5, -2.5}) {
         const media::LinearImage image = interchange::mesh_image(mesh, camera_at(x), 2);
-        const size_t middle = 48 * 96 + 48;
-        EXPECT_NEAR(image.depth_m[middle], 3 - kRadius, 0.5 * double{kCell});
-        EXPECT_NEAR(image.rgba[4 * middle], x > 0 ? 0.8 : 0.05, 0.01);
-        EXPECT_NEAR(image.rgba[4 * middle + 1], x > 0 ? 0.05 : 0.6, 0.01);
-        EXPECT_EQ(image.rgba[4 * middle + 3], 1);
+        const size_t centre = 48 * 96 + 48;
+        EXPECT_NEAR(image.depth_m[centre], 3 - kRadius, 0.5 * double{kCell});
+        EXPECT_NEAR(image.rgba[4 * centre], x > 0 ? 0.8 : 0.05, 0.01);
+        EXPECT_NEAR(image.rgba[4 * centre + 1], x > 0 ? 0.05 : 0.6, 0.01);
+        EXPECT_EQ(image.rgba[4 * centre + 3], 1);
         EXPECT_TRUE(std::isinf(image.depth_m[0]));
         double covered = 0;
         for (size_t i = 0; i < image.depth_m.size(); ++i) covered += double{image.rgba[4 * i + 3]};

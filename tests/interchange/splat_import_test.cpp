@@ -380,7 +380,7 @@ TEST(Voxelise, DimsRaysAsASplatDoes) {
             for (int axis = 0; axis < 3; ++axis) {
                 glm::dvec3 through(splats.splats[0].centre);
                 through[(axis + 1) % 3] += distance;
-                through = 0.04 * (glm::floor(through / 0.04) + 0.5);  // the middle of a cell
+                through = 0.04 * (glm::floor(through / 0.04) + 0.5);  // the centre of a cell
                 glm::dvec3 offset = through - glm::dvec3(splats.splats[0].centre);
                 offset[axis] = 0;
                 const double x = glm::length(offset) / 0.1;

@@ -184,7 +184,7 @@ TEST(Splats, TypicalLeavesAreThoseThatImagesShow) {
     EXPECT_EQ(interchange::typical_leaves(volume, 4).size(), 4u);
 }
 
-TEST(Splats, CloseUpsShowALeafInTheMiddle) {
+TEST(Splats, CloseUpsShowALeafInTheCentre) {
     const FrameVolume volume = some_volume(1);
     const stage::Camera whole = some_camera();
     for (const size_t i : {size_t{0}, volume.leaves.size() / 2, volume.leaves.size() - 1}) {

@@ -289,9 +289,9 @@ TEST(VdbVolume, HasLargerCellsWhereTheyAreAskedFor) {
     EXPECT_EQ(small.leaves.size(), ball().leaves.size());
     EXPECT_LT(large.leaves.size(), small.leaves.size() / 6);
     for (const VolumeLeaf& leaf : large.leaves) EXPECT_NEAR(large.edge_m(leaf), 2 / 32.0, 1e-6);
-    const VolumeLeaf* middle = leaf_at(large, {0.01, 0.01, 0.01});
-    ASSERT_TRUE(middle);
-    EXPECT_NEAR(middle->sigma, 500, 5);
+    const VolumeLeaf* centre = leaf_at(large, {0.01, 0.01, 0.01});
+    ASSERT_TRUE(centre);
+    EXPECT_NEAR(centre->sigma, 500, 5);
 }
 
 // A cube of haze, seen from the front.

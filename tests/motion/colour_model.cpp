@@ -127,13 +127,13 @@ std::string onnx_of(const ColourModel& model) {
     return Message().number(1, 7).message(7, graph).message(8, Message().text(1, "").number(2, 11)).bytes;
 }
 
-void draw_marker(media::Image& image, size_t key_point, size_t key_points, const glm::dvec2& middle, double deviation) {
+void draw_marker(media::Image& image, size_t key_point, size_t key_points, const glm::dvec2& centre, double deviation) {
     const glm::dvec3 colour = kReach * direction(key_point, key_points);
     const glm::dvec2 last(image.width, image.height);
-    const glm::uvec2 low = glm::max(middle - 4 * deviation, 0.0), high = glm::min(middle + 4 * deviation, last);
+    const glm::uvec2 low = glm::max(centre - 4 * deviation, 0.0), high = glm::min(centre + 4 * deviation, last);
     for (uint32_t y = low.y; y < high.y; ++y)
         for (uint32_t x = low.x; x < high.x; ++x) {
-            const double off = glm::distance(middle, {x + 0.5, y + 0.5}) / deviation;
+            const double off = glm::distance(centre, {x + 0.5, y + 0.5}) / deviation;
             for (int c = 0; c < 3; ++c) {
                 uint8_t& value = image.at(x, y)[c];
                 const double marked = value + colour[c] * std::exp(-0.5 * off * off);

@@ -24,8 +24,8 @@ struct ColourModel {
 // The bytes of an .onnx file. Key point k answers 1 to its colour and 0 to grey.
 std::string onnx_of(const ColourModel& model);
 
-// Draws a soft marker of the key point's colour onto the image. Its middle and its standard deviation are in pixels.
-void draw_marker(media::Image& image, size_t key_point, size_t key_points, const glm::dvec2& middle, double deviation);
+// Draws a soft marker of the key point's colour onto the image. Its centre and its standard deviation are in pixels.
+void draw_marker(media::Image& image, size_t key_point, size_t key_points, const glm::dvec2& centre, double deviation);
 // An opaque grey image.
 media::Image grey_image(uint32_t width, uint32_t height);
 

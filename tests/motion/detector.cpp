@@ -42,14 +42,14 @@ void swap_sides(motion::KeyPoints& points, const std::vector<Joint>& right_side)
 
 std::vector<stage::Camera> cameras_around(const motion::SkeletonClip& clip, size_t count) {
     const Box box = box_of(clip);
-    const glm::dvec3 middle = 0.5 * (box.low + box.high);
+    const glm::dvec3 centre = 0.5 * (box.low + box.high);
     const double distance = 2.5 * glm::length(box.high - box.low);
     std::vector<stage::Camera> cameras;
     for (size_t i = 0; i < count; ++i) {
         const double turn = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
         const double up = i % 2 == 0 ? 0.1 : 0.5;
         const glm::dvec3 outward(std::cos(up) * std::sin(turn), std::sin(up), std::cos(up) * std::cos(turn));
-        cameras.push_back(look_at(middle + distance * outward, middle, 512, 512, 2.2));
+        cameras.push_back(look_at(centre + distance * outward, centre, 512, 512, 2.2));
     }
     return cameras;
 }

@@ -32,27 +32,27 @@ struct KeyPointDetectorTest : testing::Test {
 // Markers of all key points in a part of an image, apart from each other.
 struct Marked {
     media::Image image;
-    std::vector<glm::dvec2> middles;
+    std::vector<glm::dvec2> centres;
 };
 Marked marked(uint32_t width, uint32_t height, size_t key_points, uint32_t seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> across(60, width - 60), down(60, height - 60);
     Marked made{test::grey_image(width, height), {}};
-    while (made.middles.size() < key_points) {
-        const glm::dvec2 middle(across(random), down(random));
-        if (std::ranges::any_of(made.middles, [&](const glm::dvec2& m) { return glm::distance(m, middle) < 80; }))
+    while (made.centres.size() < key_points) {
+        const glm::dvec2 centre(across(random), down(random));
+        if (std::ranges::any_of(made.centres, [&](const glm::dvec2& m) { return glm::distance(m, centre) < 80; }))
             continue;
-        test::draw_marker(made.image, made.middles.size(), key_points, middle, 16);
-        made.middles.push_back(middle);
+        test::draw_marker(made.image, made.centres.size(), key_points, centre, 16);
+        made.centres.push_back(centre);
     }
     return made;
 }
 
 void expect_found(KeyPointDetector& detector, const Marked& marked, double pixels) {
     const std::vector<motion::KeyPoint> found = detector.detect(marked.image);
-    ASSERT_EQ(found.size(), marked.middles.size());
+    ASSERT_EQ(found.size(), marked.centres.size());
     for (size_t k = 0; k < found.size(); ++k) {
-        EXPECT_LT(glm::distance(found[k].pixel, marked.middles[k]), pixels)
+        EXPECT_LT(glm::distance(found[k].pixel, marked.centres[k]), pixels)
             << k << ": " << found[k].pixel.x << ' ' << found[k].pixel.y;
         EXPECT_GT(found[k].confidence, 0.7) << k;
         EXPECT_LE(found[k].confidence, 1.0) << k;
@@ -74,9 +74,9 @@ TEST_F(KeyPointDetectorTest, FindsMarkersInAnyPartOfAnImage) {
     expect_found(detector, marked(400, 1000, 17, 5), 1);  // high: and beside
     // A performer who stands in a part of the image is enlarged.
     const Marked small = marked(600, 700, 17, 6);
-    Marked large{test::grey_image(1800, 1300), small.middles};
+    Marked large{test::grey_image(1800, 1300), small.centres};
     for (uint32_t y = 0; y < 700; ++y) std::copy_n(small.image.at(0, y), size_t{4} * 600, large.image.at(900, y + 70));
-    for (glm::dvec2& middle : large.middles) middle += glm::dvec2(900, 70);
+    for (glm::dvec2& centre : large.centres) centre += glm::dvec2(900, 70);
     expect_found(detector, large, 0.5);
 }
 
@@ -183,9 +183,9 @@ TEST(PersonCrop, KeepsTheShapeAndAddsAQuarter) {
     const media::Image image = test::grey_image(100, 100);
     const motion::PersonCrop crop = motion::crop_person(image, {{20, 10}, {40, 90}}, 192, 256);
     EXPECT_NEAR(crop.scale, 80 * 1.25 / 256, 1e-12);
-    const glm::dvec2 middle = crop.image_pixel({96, 128});
-    EXPECT_NEAR(middle.x, 30, 1e-12);
-    EXPECT_NEAR(middle.y, 50, 1e-12);
+    const glm::dvec2 centre = crop.image_pixel({96, 128});
+    EXPECT_NEAR(centre.x, 30, 1e-12);
+    EXPECT_NEAR(centre.y, 50, 1e-12);
     for (const float value : crop.rgb) ASSERT_EQ(value, 124);
 }
 

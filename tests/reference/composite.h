@@ -12,7 +12,7 @@ struct Sample {
     double sigma = 0;      // 1/m
     glm::dvec3 colour{0};  // linear, not premultiplied
     double delta_m = 0;    // length of the segment
-    double z_m = 0;        // distance along the ray to the segment's middle
+    double z_m = 0;        // distance along the ray to the segment's centre
 };
 
 struct RayResult {

@@ -14,11 +14,11 @@ std::vector<Sample> merge(const std::vector<std::vector<Sample>>& instances) {
     std::sort(borders.begin(), borders.end());
     std::vector<Sample> merged;
     for (size_t i = 0; i + 1 < borders.size(); ++i) {
-        const double middle = 0.5 * (borders[i] + borders[i + 1]);
-        Sample sum{0, glm::dvec3(0), borders[i + 1] - borders[i], middle};
+        const double centre = 0.5 * (borders[i] + borders[i + 1]);
+        Sample sum{0, glm::dvec3(0), borders[i + 1] - borders[i], centre};
         for (const std::vector<Sample>& samples : instances)
             for (const Sample& sample : samples)
-                if (std::abs(middle - sample.z_m) < 0.5 * sample.delta_m) {
+                if (std::abs(centre - sample.z_m) < 0.5 * sample.delta_m) {
                     sum.sigma += sample.sigma;
                     sum.colour += sample.sigma * sample.colour;
                 }

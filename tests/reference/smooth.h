@@ -8,9 +8,9 @@
 
 namespace neuvv::reference {
 
-// The leaves beyond the middle of this leaf's six faces, UINT32_MAX where there is none. `finest` is the depth of the
-// finest cells of a tree with this number of levels. Where a leaf is wider than these, the middle of a side is the
-// upper one of the two middle cells.
+// The leaves beyond the centre of this leaf's six faces, UINT32_MAX where there is none. `finest` is the depth of the
+// finest cells of a tree with this number of levels. Where a leaf is wider than these, the centre of a side is the
+// upper one of the two centre cells.
 std::array<uint32_t, 6> face_neighbours(const std::vector<voctree::LeafPosition>& positions, uint32_t leaf,
                                         uint32_t finest);
 

@@ -29,9 +29,9 @@ glm::dvec3 colour_of(const GaussianSplat& splat, const glm::dvec3& direction) {
     return glm::max(sum, glm::dvec3(0));
 }
 
-// The splat on the image: its middle and the inverse of its covariance.
+// The splat on the image: its centre and the inverse of its covariance.
 struct Projected {
-    glm::dvec2 middle;
+    glm::dvec2 centre;
     glm::dmat2 inverse;
 };
 
@@ -111,7 +111,7 @@ std::vector<glm::dvec3> draw_splats(std::vector<GaussianSplat> splats, const Spl
         for (size_t i = 0; i < pixels.size(); ++i) {
             const auto width = static_cast<size_t>(camera.width);
             const glm::dvec2 pixel(static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5);
-            const glm::dvec2 d = pixel - on_image.middle;
+            const glm::dvec2 d = pixel - on_image.centre;
             const double alpha = std::min(0.99, splat.opacity * std::exp(-0.5 * glm::dot(d, on_image.inverse * d)));
             if (alpha < 1 / 255.0) continue;
             pixels[i] += transmittance[i] * alpha * colour;

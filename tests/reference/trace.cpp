@@ -129,12 +129,12 @@ std::vector<Sample> ray_samples_shaded(const voctree::VOctree& tree, const std::
     std::vector<Sample> samples;
     for (const Segment& segment : intersect(tree, ray)) {
         const voctree::LeafPosition& position = positions[segment.leaf];
-        const glm::dvec3 middle_tree =
+        const glm::dvec3 centre_tree =
             (glm::dvec3(position.x, position.y, position.z) + 0.5) / std::exp2(position.depth);
-        const glm::dvec3 middle = glm::dvec3(tree.box_min) + middle_tree * glm::dvec3(tree.box_size);
+        const glm::dvec3 centre = glm::dvec3(tree.box_min) + centre_tree * glm::dvec3(tree.box_size);
         const LeafSlice& leaf = slices[segment.leaf];
         samples.push_back(
-            sample_of(segment, leaf.sigma, sample_colour(leaf, tree.hh_degree, glm::normalize(middle - eye))));
+            sample_of(segment, leaf.sigma, sample_colour(leaf, tree.hh_degree, glm::normalize(centre - eye))));
     }
     return samples;
 }

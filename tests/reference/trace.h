@@ -40,7 +40,7 @@ std::vector<Segment> intersect(const voctree::VOctree& tree, const Ray& ray);
 std::vector<Sample> ray_samples(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray);
 std::vector<Sample> ray_samples_direct(const voctree::VOctree& tree, double frame, const Ray& ray);
 
-// The same, but each leaf has the colour in the direction from `eye` to its middle (shading), whatever the ray's
+// The same, but each leaf has the colour in the direction from `eye` to its centre (shading), whatever the ray's
 // direction.
 std::vector<Sample> ray_samples_shaded(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices,
                                        const std::vector<voctree::LeafPosition>& positions, glm::dvec3 eye,

@@ -154,7 +154,7 @@ TEST(Sample, AdjointIsTheGradient) {
     }
 }
 
-TEST(Sample, NoCoefficientsGiveMiddleGrey) {
+TEST(Sample, NoCoefficientsGiveCentreGrey) {
     const glm::dvec3 colour = sample_colour(LeafSlice{}, 3, {1, 0, 0});
     for (int c = 0; c < 3; ++c) EXPECT_EQ(colour[c], 0.5);
 }

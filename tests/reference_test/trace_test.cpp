@@ -195,7 +195,7 @@ TEST(Trace, OneLeafByHand) {
     slices[0].sigma = std::log(2.0);
     const RayResult r = trace(tree, slices, {{0.1, 0.1, 5}, {0, 0, -1}, 0});
     EXPECT_NEAR(r.alpha, 0.5, 1e-15);
-    EXPECT_NEAR(r.colour.x, 0.25, 1e-15);  // middle grey at half alpha
+    EXPECT_NEAR(r.colour.x, 0.25, 1e-15);  // centre grey at half alpha
     EXPECT_NEAR(r.depth_m, 4.5, 1e-14);
     EXPECT_NEAR(trace(tree, slices, {{0.1, 0.1, 5}, {0, 0, -1}, 4.5}).depth_m, 4.75, 1e-14);
 }

@@ -21,7 +21,7 @@ namespace {
 
 constexpr uint32_t kWidth = 45, kHeight = 35;  // no multiples of a tile
 
-// Looks along world −Z with directions whose x and y are exactly 0 in the middle column and row.
+// Looks along world −Z with directions whose x and y are exactly 0 in the centre column and row.
 stage::Camera axis_camera(glm::dvec3 eye, double focal_pixels) {
     stage::Camera camera = look_at(eye, eye - glm::dvec3(0, 0, 1), kWidth, kHeight);
     camera.fx = camera.fy = focal_pixels;
@@ -36,15 +36,15 @@ struct View {
 
 std::vector<View> views(const voctree::VOctree& tree) {
     const double side = std::exp2(2.0 * tree.node_levels);  // finest cells
-    const glm::dvec3 middle = world_of(tree, glm::dvec3(0.5));
+    const glm::dvec3 centre = world_of(tree, glm::dvec3(0.5));
     const auto looking = [](glm::dvec3 eye, glm::dvec3 at, double focal) {
         return look_at(eye, at, kWidth, kHeight, focal);
     };
     std::vector<View> all;
-    all.push_back({"outside", looking(world_of(tree, {1.7, 1.4, 2.1}), middle, 1.1)});
-    all.push_back({"outside, the other side", looking(world_of(tree, {-0.9, -0.3, -1.3}), middle, 1.1)});
+    all.push_back({"outside", looking(world_of(tree, {1.7, 1.4, 2.1}), centre, 1.1)});
+    all.push_back({"outside, the other side", looking(world_of(tree, {-0.9, -0.3, -1.3}), centre, 1.1)});
     all.push_back({"inside", looking(world_of(tree, {0.43, 0.57, 0.61}), world_of(tree, {0.1, 0.2, 0.05}), 0.5)});
-    all.push_back({"far away", looking(middle + glm::dvec3(11, 7, 23), middle, 14)});
+    all.push_back({"far away", looking(centre + glm::dvec3(11, 7, 23), centre, 14)});
     all.push_back({"axis-parallel", axis_camera(world_of(tree, {0.371, 0.523, 1.9}), 64)});
     all.push_back({"nearly axis-parallel", axis_camera(world_of(tree, {0.371, 0.523, 1.9}), 61.7)});
     all.push_back({"in a plane between cells", axis_camera(world_of(tree, {0.5, 0.523, 1.9}), 64)});
@@ -445,10 +445,10 @@ TEST_F(FrameTest, ARealTreeMatchesTheReference) {
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     Renderers renderers(device(), field);
     const float frame = 0.5f * static_cast<float>(tree.frames - 1) + 0.3f;
-    const glm::dvec3 middle = world_of(tree, glm::dvec3(0.5));
+    const glm::dvec3 centre = world_of(tree, glm::dvec3(0.5));
     const double radius_m = 1.2 * glm::length(glm::dvec3(tree.box_size));
     for (const glm::dvec3 from : {glm::dvec3(0.3, 0.2, 1), glm::dvec3(-0.9, 0.1, -0.4), glm::dvec3(0.5, 0.9, -0.6)}) {
-        const stage::Camera camera = look_at(middle + radius_m * glm::normalize(from), middle, kWidth, kHeight, 1.4);
+        const stage::Camera camera = look_at(centre + radius_m * glm::normalize(from), centre, kWidth, kHeight, 1.4);
         const Traced truth = trace_by_reference(tree, camera, frame, 0);
         const float stop = render::kStopTransmittance;
         for (const Traced& traced :

@@ -32,7 +32,7 @@ std::vector<reference::Capsule> capsules_of(const std::vector<render::Bone>& bon
     return capsules;
 }
 
-glm::dvec3 middle_of(const voctree::VOctree& tree, const voctree::LeafPosition& position) {
+glm::dvec3 centre_of(const voctree::VOctree& tree, const voctree::LeafPosition& position) {
     const double edge = std::exp2(-static_cast<double>(position.depth));
     return world_of(tree, edge * (glm::dvec3(position.x, position.y, position.z) + 0.5));
 }
@@ -82,7 +82,7 @@ TEST_F(HighlightTest, EachLeafIsTintedByItsNearestBoneAndChildNodesAreNot) {
             EXPECT_EQ(red[entry], plain[entry]) << "the entry of a child node changed";
             continue;
         }
-        const size_t bone = reference::nearest_bone(capsules_of(bones), middle_of(tree, positions[leaf]));
+        const size_t bone = reference::nearest_bone(capsules_of(bones), centre_of(tree, positions[leaf]));
         ++leaves_of_bone[bone];
         const double tint = std::round(255.0 * tints[bone]) / 255;
         const glm::dvec3 truth = reference::tinted(colour_of(plain[entry]), tint);

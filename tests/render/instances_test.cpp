@@ -29,7 +29,7 @@ reference::RayResult trace_instance(const voctree::VOctree& tree, const std::vec
     return result;
 }
 
-// Algorithm 1 (errata 11), with layers in the order of the distances of the instances' middles from the eye.
+// Algorithm 1 (errata 11), with layers in the order of the distances of the instances' centres from the eye.
 Traced compose_by_reference(const voctree::VOctree& tree, std::vector<render::Instance> instances,
                             const stage::Camera& camera) {
     const auto [low, high] = [&] {
@@ -42,11 +42,11 @@ Traced compose_by_reference(const voctree::VOctree& tree, std::vector<render::In
         }
         return std::pair(world_of(tree, first), world_of(tree, last));
     }();
-    const glm::dvec4 middle(0.5 * (low + high), 1);
+    const glm::dvec4 centre(0.5 * (low + high), 1);
     const glm::dvec3 eye(camera.world_from_camera[3]);
     std::sort(instances.begin(), instances.end(), [&](const render::Instance& a, const render::Instance& b) {
         const auto away = [&](const render::Instance& one) {
-            return glm::distance(eye, glm::dvec3(glm::dmat4(one.world_from_performer) * middle));
+            return glm::distance(eye, glm::dvec3(glm::dmat4(one.world_from_performer) * centre));
         };
         return away(a) < away(b);
     });

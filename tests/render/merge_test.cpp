@@ -250,8 +250,8 @@ TEST(DrawOrder, IsNearToFarWhereBoxesStandApart) {
     EXPECT_EQ(render::draw_order({}, std::vector{glm::dvec3(0)}), Groups{});
 }
 
-// A long wall, whose middle is nearer than a box before its far end.
-TEST(DrawOrder, IsNotThatOfMiddles) {
+// A long wall, whose centre is nearer than a box before its far end.
+TEST(DrawOrder, IsNotThatOfCentres) {
     const render::TransformedBox wall = box_at({0, 0, -5}, 0, {20, 1, 0.1}), before = box_at({15, 0, -4});
     EXPECT_EQ(render::draw_order(std::vector{wall, before}, std::vector{glm::dvec3(0)}), (Groups{{1}, {0}}));
 }
@@ -278,8 +278,8 @@ TEST(DrawOrder, BoxesThatCoverEachOtherInACircleAreOneGroup) {
     for (int i = 0; i < 3; ++i) {
         const double angle = 2 * std::numbers::pi * i / 3;
         const glm::dvec3 along(std::cos(angle), std::sin(angle), 0.35), across(-std::sin(angle), std::cos(angle), 0);
-        const glm::dvec3 middle = glm::dvec3(0, 0, -8) + 0.6 * across;
-        beams.push_back({middle, glm::dmat3(2.0 * along, 0.12 * across, glm::dvec3(0, 0, 0.05))});
+        const glm::dvec3 centre = glm::dvec3(0, 0, -8) + 0.6 * across;
+        beams.push_back({centre, glm::dmat3(2.0 * along, 0.12 * across, glm::dvec3(0, 0, 0.05))});
     }
     EXPECT_EQ(render::draw_order(beams, std::vector{glm::dvec3(0)}).size(), 1u);
     beams.pop_back();
@@ -303,8 +303,8 @@ TEST(DrawOrder, HoldsAlongEveryLine) {
                 return glm::dvec3(random.uniform(-size, size), random.uniform(-size, size),
                                   random.uniform(-size, size));
             };
-            const glm::dvec3 middle = vector(4);
-            boxes.push_back({middle, glm::dmat3(vector(1), vector(1), vector(1))});
+            const glm::dvec3 centre = vector(4);
+            boxes.push_back({centre, glm::dmat3(vector(1), vector(1), vector(1))});
         }
         const glm::dvec3 eye(0, 0, 9);
         const Groups groups = render::draw_order(boxes, std::vector{eye});
@@ -318,7 +318,7 @@ TEST(DrawOrder, HoldsAlongEveryLine) {
                 for (const uint32_t i : group) {
                     // The slab test in the axes of the box.
                     const glm::dmat3 own = glm::inverse(boxes[i].half);
-                    const glm::dvec3 origin = own * (eye - boxes[i].middle), along = own * direction;
+                    const glm::dvec3 origin = own * (eye - boxes[i].centre), along = own * direction;
                     const glm::dvec3 a = (-1.0 - origin) / along, b = (1.0 - origin) / along;
                     const glm::dvec3 low = glm::min(a, b), high = glm::max(a, b);
                     const double first = std::max({low.x, low.y, low.z, 0.0});

@@ -74,7 +74,7 @@ render::FrameSettings settings_of(std::vector<render::Instance> instances, uint3
     return settings;
 }
 
-// A wall through the middle of a performer ends the rays there, and is visible through the performer.
+// A wall through the centre of a performer ends the rays there, and is visible through the performer.
 TEST_F(SetFrameTest, RaysEndAtTheSetAndTheSetIsBehindThem) {
     const voctree::VOctree tree =
         random_tree({.seed = 3, .node_levels = 3, .leaves = 1500, .bases = 5, .hh_degree = 2});
@@ -337,7 +337,7 @@ TEST_F(SetFrameTest, NothingOfTheLastShadowStays) {
 
 // The shadow of a lit cube falls on another cube behind it; the cube nearer to the lamp stays lit.
 TEST_F(SetFrameTest, PerformersShadowEachOther) {
-    const voctree::VOctree tree = cube(400, 3);  // a sample's depth is its leaf's middle
+    const voctree::VOctree tree = cube(400, 3);  // a sample's depth is its leaf's centre
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     GlbBuilder glb;
     add_mesh(glb, wall_at(-9), unlit({0, 0, 0, 1}));

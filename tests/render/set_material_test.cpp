@@ -135,7 +135,7 @@ TEST_F(SetMaterialTest, EachTextureHasItsUvSet) {
         for (int c = 0; c < 3; ++c) halves.at(3, y)[c] = 255;  // one white column; the rest is black
     MappedFloor floor(halves);
     std::vector<float> uvs;
-    for (int i = 0; i < 4; ++i) uvs.insert(uvs.end(), {0.875f, 0.375f});  // the middle of a texel of that column
+    for (int i = 0; i < 4; ++i) uvs.insert(uvs.end(), {0.875f, 0.375f});  // the centre of a texel of that column
     floor.glb.root["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = floor.glb.floats(uvs, "VEC2", 2);
     (*floor.material)["emissiveTexture"] = {{"index", 0}, {"texCoord", 1}};
     (*floor.material)["emissiveFactor"] = {1, 0.5, 0.25};

@@ -139,12 +139,12 @@ void expect_colour(const glm::dvec4& drawn, const glm::dvec4& wanted, const std:
 
 TEST_F(SetRasterTest, AlphaModesAndSides) {
     const stage::Camera camera = camera_above();
-    const size_t middle = texel_of(camera, {0, 0, 0});
+    const size_t centre = texel_of(camera, {0, 0, 0});
     const auto shows = [&](const json& material, bool turned_away = false) {
         GlbBuilder glb;
         json& node = add_mesh(glb, floor_mesh(), material);
         if (turned_away) node["rotation"] = {1, 0, 0, 0};
-        return draw(device(), glb, camera, {}).colour[middle];
+        return draw(device(), glb, camera, {}).colour[centre];
     };
     expect_colour(shows(unlit({0.5f, 0.25f, 1, 0.25f})), {0.5, 0.25, 1, 1}, "opaque");
     expect_colour(shows(unlit({0.5f, 0.25f, 1, 0.25f}, "BLEND")), {0.125, 0.0625, 0.25, 0.25}, "blend");
@@ -317,8 +317,8 @@ TEST_F(SetRasterTest, NothingStaysOfPanesThatAreNotDrawnAnyMore) {
     set.pose(stage::pose_scene(pane, stage::kNoAnimation, 0));
     std::vector<float> behind_it(kSide * kSide, 2.5f);
     gpu::upload(device(), set.volume_depth, behind_it.data(), behind_it.size() * sizeof(float));
-    const size_t middle = kSide * kSide / 2 + kSide / 2;
-    const auto front = [&] { return draw_set(device(), set, {camera}).front[middle]; };
+    const size_t centre = kSide * kSide / 2 + kSide / 2;
+    const auto front = [&] { return draw_set(device(), set, {camera}).front[centre]; };
     expect_colour(front(), {0.5, 0, 0, 0.5}, "a pane before the volume");
     set.catch_shadows(-1.0);
     expect_colour(front(), glm::dvec4(0), "where only shadows are drawn");

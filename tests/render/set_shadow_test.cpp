@@ -250,10 +250,10 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
         lighting.visible = [&](const render::SetLight& light, glm::dvec3 position) {
             if (light.kind != from.kind) return 1.0;
             const glm::dvec3 p(glm::inverse(light_camera.world_from_camera) * glm::dvec4(position, 1));
-            const glm::dvec2 from_middle(-light_camera.fx * p.x / p.z,
+            const glm::dvec2 from_centre(-light_camera.fx * p.x / p.z,
                                          light_camera.fy * p.y / p.z);  // texels, to the right and down
-            const double inside = std::min(from_middle.x, from_middle.y);
-            const double outside = std::max(from_middle.x, from_middle.y) - side / 2.0;
+            const double inside = std::min(from_centre.x, from_centre.y);
+            const double outside = std::max(from_centre.x, from_centre.y) - side / 2.0;
             if (std::abs(inside) < 1 || std::abs(outside) < 1) return -1.0;
             return inside < 0 || outside > 0 ? 1.0 : 0.25;
         };

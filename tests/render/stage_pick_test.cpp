@@ -23,7 +23,7 @@ glm::dvec3 head_of(glm::dvec3 at, uint32_t frame = 0) {
 Ray ray_to(glm::dvec3 target) {
     return {kEye, glm::normalize(target - kEye)};
 }
-// From the eye to the ball of a head, along the ray through the head's middle.
+// From the eye to the ball of a head, along the ray through the head's centre.
 double distance_to_head(glm::dvec3 head) {
     return glm::distance(kEye, head) - kSize_m * kHeadRadius;
 }

@@ -9,7 +9,7 @@
 namespace neuvv::test::pan_test {
 namespace {
 
-constexpr double kMiddle = std::numbers::sqrt2 / 2;  // of both sides, for a sound that is straight ahead
+constexpr double kCentre = std::numbers::sqrt2 / 2;  // of both sides, for a sound that is straight ahead
 
 TEST(Pan, GoesFromLeftToRightWithTheSamePower) {
     for (int degrees = -90; degrees <= 90; degrees += 15) {
@@ -20,15 +20,15 @@ TEST(Pan, GoesFromLeftToRightWithTheSamePower) {
     }
     EXPECT_NEAR(stage::pan_gains({-2, 0, 0})[0], 1, 1e-6);
     EXPECT_NEAR(stage::pan_gains({-2, 0, 0})[1], 0, 1e-6);
-    EXPECT_NEAR(stage::pan_gains({0, 0, 2})[0], kMiddle, 1e-6) << "behind";
-    EXPECT_NEAR(stage::pan_gains({0, 0, 0})[1], kMiddle, 1e-6) << "at the ear";
+    EXPECT_NEAR(stage::pan_gains({0, 0, 2})[0], kCentre, 1e-6) << "behind";
+    EXPECT_NEAR(stage::pan_gains({0, 0, 0})[1], kCentre, 1e-6) << "at the ear";
 }
 
 TEST(Pan, IsHalfAsLoudAtTwiceTheDistance) {
     EXPECT_EQ(stage::distance_gain(0), 1);
     EXPECT_EQ(stage::distance_gain(stage::kUsualDistance_m), 1);
     EXPECT_EQ(stage::distance_gain(2 * stage::kUsualDistance_m), 0.5);
-    EXPECT_NEAR(stage::pan_gains({0, 0, -8})[0], kMiddle / 4, 1e-6);
+    EXPECT_NEAR(stage::pan_gains({0, 0, -8})[0], kCentre / 4, 1e-6);
 }
 
 }  // namespace

@@ -60,8 +60,8 @@ void fill_capsule(std::vector<BodyCell>& cells, const voctree::VOctree& tree, co
     for (uint32_t z = first.z; z <= last.z; ++z)
         for (uint32_t y = first.y; y <= last.y; ++y)
             for (uint32_t x = first.x; x <= last.x; ++x) {
-                const glm::vec3 middle = tree.box_min + edge * (glm::vec3(x, y, z) + 0.5f);
-                const double distance = reference::distance_to({bone.from, bone.to, bone.radius}, middle);
+                const glm::vec3 centre = tree.box_min + edge * (glm::vec3(x, y, z) + 0.5f);
+                const double distance = reference::distance_to({bone.from, bone.to, bone.radius}, centre);
                 if (distance > 0) continue;
                 BodyCell& cell = cells[(size_t{z} * kBodyCells + y) * kBodyCells + x];
                 cell.frames |= 1u << frame;

@@ -14,7 +14,7 @@
 
 namespace neuvv::test {
 
-// Leaves of one depth in a box of a metre, where `inside` says so of their middles.
+// Leaves of one depth in a box of a metre, where `inside` says so of their centres.
 inline void add_leaves(interchange::FrameVolume& volume, uint32_t depth, float sigma,
                        const std::function<bool(glm::vec3)>& inside) {
     const auto side = 1u << depth;

@@ -10,7 +10,7 @@
 
 namespace neuvv::test {
 
-constexpr glm::dvec3 kHead(0.45, 0.62, 0.5);  // the head's middle in the first frame, in the unit box
+constexpr glm::dvec3 kHead(0.45, 0.62, 0.5);  // the head's centre in the first frame, in the unit box
 constexpr double kHeadRadius = 0.24, kFigureStep = 0.12;
 constexpr uint32_t kFigureDepth = 6, kFigureSide = 1u << kFigureDepth;
 
@@ -30,20 +30,20 @@ inline voctree::VOctree figure_tree() {
     tree.sigma_basis = {1, 0, 0, 1};
     tree.gamma_basis = {0, 0, 0, 0};
     std::vector<voctree::LeafPosition> positions;
-    const auto middle = [](const voctree::LeafPosition& p) {
+    const auto centre = [](const voctree::LeafPosition& p) {
         return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kFigureSide};
     };
     for (uint32_t i = 0; i < kFigureSide * kFigureSide * kFigureSide; ++i) {
         const voctree::LeafPosition position{i % kFigureSide, i / kFigureSide % kFigureSide,
                                              i / kFigureSide / kFigureSide, kFigureDepth};
-        if (figure_part(middle(position), 0) || figure_part(middle(position), 1)) positions.push_back(position);
+        if (figure_part(centre(position), 0) || figure_part(centre(position), 1)) positions.push_back(position);
     }
     voctree::build_topology(tree, positions);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         float* weights = tree.leaf(leaf);
         int part = 0;
         for (uint32_t frame = 0; frame < 2; ++frame) {
-            const int now = figure_part(middle(positions[leaf]), frame);
+            const int now = figure_part(centre(positions[leaf]), frame);
             weights[frame] = now ? 250.0f : -1.0f;
             part = std::max(part, now);
         }

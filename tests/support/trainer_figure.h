@@ -72,9 +72,9 @@ inline voctree::VOctree standing_tree(uint32_t frames) {
     std::vector<voctree::LeafPosition> positions;
     for (uint32_t i = 0; i < kSide * kSide * kSide; ++i) {
         const voctree::LeafPosition position{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
-        const glm::dvec3 middle = (glm::dvec3(position.x, position.y, position.z) + 0.5) / double{kSide};
+        const glm::dvec3 centre = (glm::dvec3(position.x, position.y, position.z) + 0.5) / double{kSide};
         if (std::ranges::any_of(body, [&](const coach::BodyBone& each) {
-                return distance_to(each.bone, middle) < static_cast<double>(each.bone.radius);
+                return distance_to(each.bone, centre) < static_cast<double>(each.bone.radius);
             }))
             positions.push_back(position);
     }

@@ -163,7 +163,7 @@ struct CliStagePaint : CliPaint {
     }
 };
 
-// Counts the performer's pixels that have the right colour, and the others. Leaves across the middle may have either
+// Counts the performer's pixels that have the right colour, and the others. Leaves across the centre may have either
 // colour.
 struct Halves {
     uint32_t left = 0, right = 0, wrong = 0;

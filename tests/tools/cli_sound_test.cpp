@@ -35,7 +35,7 @@ struct CliSound : CliGpu {
         call.insert(call.end(), more.begin(), more.end());
         expect_done(call);
     }
-    // The loudest sample of a side of the video's sound, in its middle; a tone at 0 dB has 1.
+    // The loudest sample of a side of the video's sound, in its centre; a tone at 0 dB has 1.
     double loudest(size_t side = 0) const {
         const media::Sound sound = media::read_sound(video);
         EXPECT_NEAR(sound.length_s(), 1, 0.05);

@@ -178,7 +178,7 @@ TEST(CameraColours, ATileShowsExposureAndVignette) {
     training::Batch batch;
     batch.frame = 1;
     batch.tiles = {Tile{0, 28, 28, 0}, Tile{0, 0, 0, 0}};
-    const float corner = static_cast<float>(28 * 28) / (32 * 32);  // the tile's middle is 28 pixels from the image's
+    const float corner = static_cast<float>(28 * 28) / (32 * 32);  // the tile's centre is 28 pixels from the image's
     EXPECT_NEAR(colours.of_tile(batch, 0, camera).rows[1].g, 1.5f, 1e-6f);
     EXPECT_NEAR(colours.of_tile(batch, 1, camera).rows[1].g, 1.5f * (1 - 0.4f * corner + 0.1f * corner * corner),
                 1e-6f);

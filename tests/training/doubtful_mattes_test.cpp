@@ -57,7 +57,7 @@ void set_alpha(uint8_t* pixel, bool opaque) {
     if (opaque) std::fill_n(pixel, 4, uint8_t{255});
 }
 
-// `lowered`: by how many pixels the figure lies lower in all images than in their middle.
+// `lowered`: by how many pixels the figure lies lower in all images than in their centre.
 training::Dataset figure(uint32_t cameras, double lowered = 0) {
     training::Dataset dataset = sphere_dataset({.cameras = cameras, .frames = kFigureFrames, .size = 64});
     for (stage::Camera& camera : dataset.cameras) camera.cy += lowered;

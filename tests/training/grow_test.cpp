@@ -20,7 +20,7 @@ voctree::VOctree first_tree() {
     return training::initial_tree(capture(), {.resolution = 32, .bases = 31, .hh_degree = 1}, 2);
 }
 
-glm::dvec3 middle_of(const voctree::LeafPosition& position) {
+glm::dvec3 centre_of(const voctree::LeafPosition& position) {
     return (glm::dvec3(position.x, position.y, position.z) + 0.5) / std::exp2(position.depth);
 }
 
@@ -38,12 +38,12 @@ training::LeafUse use_of(const voctree::VOctree& tree, const std::vector<float>&
     return {max_weight, max_weight, std::vector<uint32_t>(size_t{(tree.frames + 31) / 32} * tree.leaf_count, ~0u)};
 }
 
-// Expects a sound tree in which no leaf lies inside another: a search at each leaf's middle finds that leaf.
+// Expects a sound tree in which no leaf lies inside another: a search at each leaf's centre finds that leaf.
 void expect_sound(const voctree::VOctree& tree) {
     EXPECT_EQ(voctree::defect_of(tree), "");
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     for (uint32_t leaf = 0; leaf < positions.size(); ++leaf)
-        ASSERT_EQ(voctree::find_leaf(tree, middle_of(positions[leaf])), leaf);
+        ASSERT_EQ(voctree::find_leaf(tree, centre_of(positions[leaf])), leaf);
 }
 
 TEST(Grow, DepthOfAResolution) {
@@ -91,11 +91,11 @@ TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     size_t forbidden = 0;
     for (uint32_t leaf = 0; leaf < positions.size(); ++leaf) {
-        const glm::dvec3 middle = world_of(tree, middle_of(positions[leaf]));
+        const glm::dvec3 centre = world_of(tree, centre_of(positions[leaf]));
         bool ever = false;
         for (uint32_t frame = 0; frame < 3; ++frame) {
             ever |= sigma_at(tree, leaf, frame) > 0;
-            const double distance = glm::length(middle - kCapture.centre(kCapture.time(frame)));
+            const double distance = glm::length(centre - kCapture.centre(kCapture.time(frame)));
             if (distance < kCapture.radius_m) {
                 EXPECT_GT(sigma_at(tree, leaf, frame), 0);
             }
@@ -117,7 +117,7 @@ TEST(Grow, PrunesWhatIsNotReached) {
     EXPECT_EQ(grown.leaf_count, tree.leaf_count - (tree.leaf_count + 2) / 3);
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
     for (uint32_t leaf = 0; leaf < grown.leaf_count; ++leaf) {
-        const uint32_t before = voctree::find_leaf(tree, middle_of(positions[leaf]));
+        const uint32_t before = voctree::find_leaf(tree, centre_of(positions[leaf]));
         EXPECT_NE(before % 3, 0u);
         EXPECT_TRUE(std::equal(grown.leaf(leaf), grown.leaf(leaf) + grown.weights_per_leaf(), tree.leaf(before)));
     }
@@ -143,8 +143,8 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
     size_t children = 0, emptied = 0;
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
     for (uint32_t leaf = 0; leaf < grown.leaf_count; ++leaf) {
-        const glm::dvec3 middle = middle_of(positions[leaf]);
-        const uint32_t parent = voctree::find_leaf(tree, middle);
+        const glm::dvec3 centre = centre_of(positions[leaf]);
+        const uint32_t parent = voctree::find_leaf(tree, centre);
         const bool child = positions[leaf].depth == 4;
         EXPECT_EQ(child, parent % 2 == 0);
         children += child ? 1 : 0;
@@ -152,7 +152,7 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
             std::equal(grown.leaf(leaf) + 3, grown.leaf(leaf) + grown.weights_per_leaf(), tree.leaf(parent) + 3));
         for (uint32_t frame = 0; frame < 3; ++frame) {
             const float before = sigma_at(tree, parent, frame), now = sigma_at(grown, leaf, frame);
-            const double distance = glm::length(world_of(grown, middle) - kCapture.centre(kCapture.time(frame)));
+            const double distance = glm::length(world_of(grown, centre) - kCapture.centre(kCapture.time(frame)));
             if (!child || now > 0 || distance < kCapture.radius_m)
                 EXPECT_NEAR(now, before, 1e-4f * std::abs(before));
             else
@@ -179,7 +179,7 @@ TEST(Grow, StaysWithinDepthAndLeafLimits) {
     for (const voctree::LeafPosition& position :
          positions)  // the ten leaves of highest maximum weight, which are the last
         if (position.depth > 3) {
-            EXPECT_GE(voctree::find_leaf(tree, middle_of(position)), tree.leaf_count - 10);
+            EXPECT_GE(voctree::find_leaf(tree, centre_of(position)), tree.leaf_count - 10);
         }
     EXPECT_TRUE(
         std::any_of(positions.begin(), positions.end(), [](const voctree::LeafPosition& p) { return p.depth == 4; }));
@@ -195,7 +195,7 @@ TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, 21u);  // one of the two equal leaves at the bound
     for (const voctree::LeafPosition& position : voctree::leaf_positions(grown))
-        EXPECT_LE(voctree::find_leaf(tree, middle_of(position)), 20u);
+        EXPECT_LE(voctree::find_leaf(tree, centre_of(position)), 20u);
 }
 
 TEST(Grow, DividesWhereTheLossPullsHardest) {
@@ -209,7 +209,7 @@ TEST(Grow, DividesWhereTheLossPullsHardest) {
     float min_divided = 1000, max_undivided = 0;
     size_t whole = 0;
     for (const voctree::LeafPosition& position : voctree::leaf_positions(grown)) {
-        const float opacity_sensitivity = use.opacity_sensitivity[voctree::find_leaf(tree, middle_of(position))];
+        const float opacity_sensitivity = use.opacity_sensitivity[voctree::find_leaf(tree, centre_of(position))];
         if (position.depth == 4)
             min_divided = std::min(min_divided, opacity_sensitivity);
         else {
@@ -225,7 +225,7 @@ TEST(Grow, NoLeafDividesThatShowsSmallerThanAsked) {
     const voctree::VOctree tree = first_tree();
     const training::LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
     const double edge = static_cast<double>(tree.box_size.x) / 8;
-    const double footprint = kCapture.distance_m / capture().cameras[0].fx;  // of a pixel in the middle of the ring
+    const double footprint = kCapture.distance_m / capture().cameras[0].fx;  // of a pixel in the centre of the ring
     const training::GrowSettings too_small{
         .max_depth = 5, .min_weight_to_divide = 0.1f, .min_pixels_to_divide = 2.5 * edge / footprint};
     EXPECT_EQ(training::grow(capture(), tree, use, too_small).leaf_count, tree.leaf_count);
@@ -244,7 +244,7 @@ TEST(Grow, LeavesAreEmptiedInFramesThatDidNotUseThem) {
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
     size_t emptied = 0;
     for (uint32_t leaf = 0; leaf < grown.leaf_count; ++leaf) {
-        const uint32_t before = voctree::find_leaf(tree, middle_of(positions[leaf]));
+        const uint32_t before = voctree::find_leaf(tree, centre_of(positions[leaf]));
         for (uint32_t frame = 0; frame < 3; ++frame) {
             const bool unused = before % 2 == 1 && frame == 1;
             const float sigma = sigma_at(grown, leaf, frame), was = sigma_at(tree, before, frame);

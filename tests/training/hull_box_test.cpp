@@ -93,7 +93,7 @@ TEST(HullBox, KeepsWhatPixelsNeedHoweverFewSeeIt) {
     EXPECT_TRUE(grid.overlaps(around(kHand, 0.01)));
 }
 
-// The box with which the search begins holds what close-ups show that do not look at the middle.
+// The box with which the search begins holds what close-ups show that do not look at the centre.
 TEST(HullBox, BeginsWithAllThatImagesShow) {
     training::Dataset dataset = two_balls(4);
     for (uint32_t c = 0; c < 2; ++c) dataset.cameras[c].fx = dataset.cameras[c].fy = 400;  // close-ups of the body

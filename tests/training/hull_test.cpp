@@ -135,10 +135,10 @@ TEST(Hull, BoxEnclosesTheSphereInAllFrames) {
     for (const bool given : {false, true}) {
         if (given) dataset.box = {{-1.1, -1.1, -1.1}, {1.1, 1.1, 1.1}};
         const auto [low, high] = training::hull_box(dataset);
-        const glm::dvec3 amplitude(capture.travel_m, 0, 0), radius(capture.radius_m), middle = capture.centre(0.5);
+        const glm::dvec3 amplitude(capture.travel_m, 0, 0), radius(capture.radius_m), centre = capture.centre(0.5);
         for (int axis = 0; axis < 3; ++axis) {
-            EXPECT_LE(low[axis], (middle - amplitude - radius)[axis]);
-            EXPECT_GE(high[axis], (middle + amplitude + radius)[axis]);
+            EXPECT_LE(low[axis], (centre - amplitude - radius)[axis]);
+            EXPECT_GE(high[axis], (centre + amplitude + radius)[axis]);
             EXPECT_LT(high[axis] - low[axis], 1.5 * 2 * (amplitude + radius)[axis]);
         }
     }

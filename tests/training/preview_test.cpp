@@ -44,7 +44,7 @@ TEST_F(PreviewTest, ShowsTruthRenderAndErrorSideBySide) {
     EXPECT_LT(quality.psnr, 30) << "a random tree is no sphere";
 }
 
-TEST(PreviewDataset, IsTheFirstCamerasInstantInTheMiddle) {
+TEST(PreviewDataset, IsTheFirstCamerasInstantInTheCentre) {
     training::Dataset dataset = sphere_dataset({.cameras = 3, .frames = 5, .size = 8});
     std::reverse(dataset.views.begin(), dataset.views.end());  // the first view is now that of the last camera
     const training::Dataset cut = training::preview_dataset(dataset);

@@ -30,12 +30,12 @@ TEST(RigOfFrames, HasTheShotsOfItsFrames) {
     const std::vector<double> all = training::times_of(rig);
     EXPECT_EQ(all, std::vector<double>(std::begin(times), std::end(times)));
 
-    const training::Rig middle = training::rig_of_frames(rig, all, 1, 2);
-    EXPECT_EQ(training::times_of(middle), (std::vector<double>{0, 1}));
-    ASSERT_EQ(middle.cameras.size(), 2u) << "the camera that begins later is left out";
-    EXPECT_EQ(middle.cameras[1].name, "c");
-    EXPECT_EQ(middle.shots.size(), 4u);
-    for (const training::Shot& shot : middle.shots) EXPECT_LT(shot.camera, 2u);
+    const training::Rig centre = training::rig_of_frames(rig, all, 1, 2);
+    EXPECT_EQ(training::times_of(centre), (std::vector<double>{0, 1}));
+    ASSERT_EQ(centre.cameras.size(), 2u) << "the camera that begins later is left out";
+    EXPECT_EQ(centre.cameras[1].name, "c");
+    EXPECT_EQ(centre.shots.size(), 4u);
+    for (const training::Shot& shot : centre.shots) EXPECT_LT(shot.camera, 2u);
 
     const training::Rig last = training::rig_of_frames(rig, all, 4, 1);
     EXPECT_EQ(training::times_of(last), std::vector<double>{0});

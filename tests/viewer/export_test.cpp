@@ -79,7 +79,7 @@ struct ExportTest : GpuTest {
         EXPECT_TRUE(wait_for([&] { return job->end().has_value(); }));
         return job->end().value_or(viewer::Export::End{});
     }
-    // The loudest sample of the video's middle, where 1 is as loud as one performer is for the camera.
+    // The loudest sample of the video's centre, where 1 is as loud as one performer is for the camera.
     double loudest(const char* file) const {
         const media::Sound sound = media::read_sound(folder.path / file);
         EXPECT_NEAR(sound.length_s(), 0.5, 0.05);

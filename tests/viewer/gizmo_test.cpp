@@ -81,15 +81,15 @@ TEST(Gizmo, IsAsLargeAtAnyDistance) {
 TEST(Gizmo, HandlesAreHitWhereTheyAreSeen) {
     for (const viewer::GizmoAxes axes : {viewer::GizmoAxes::kWorld, viewer::GizmoAxes::kLocal}) {
         const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kMove, axes);
-        const glm::dvec3 middle = position_of(gizmo.world_from_node);
+        const glm::dvec3 centre = position_of(gizmo.world_from_node);
         for (int axis = 0; axis < 3; ++axis) {
-            const glm::dvec2 pixel = pixel_of(gizmo, middle + axis_of(gizmo, axis) * size_m(gizmo) * 0.9);
+            const glm::dvec2 pixel = pixel_of(gizmo, centre + axis_of(gizmo, axis) * size_m(gizmo) * 0.9);
             EXPECT_EQ(viewer::gizmo_handle_at(gizmo, pixel), kAxes[axis]);
             const glm::dvec3 u = axis_of(gizmo, (axis + 1) % 3), v = axis_of(gizmo, (axis + 2) % 3);
-            EXPECT_EQ(viewer::gizmo_handle_at(gizmo, pixel_of(gizmo, middle + (u + v) * size_m(gizmo) * 0.5)),
+            EXPECT_EQ(viewer::gizmo_handle_at(gizmo, pixel_of(gizmo, centre + (u + v) * size_m(gizmo) * 0.5)),
                       kPlanes[axis]);
         }
-        EXPECT_EQ(viewer::gizmo_handle_at(gizmo, pixel_of(gizmo, middle)), viewer::GizmoHandle::kCentre);
+        EXPECT_EQ(viewer::gizmo_handle_at(gizmo, pixel_of(gizmo, centre)), viewer::GizmoHandle::kCentre);
         EXPECT_EQ(viewer::gizmo_handle_at(gizmo, {5, 5}), viewer::GizmoHandle::kNone);
         EXPECT_EQ(viewer::gizmo_handle_at(gizmo, {-FLT_MAX, -FLT_MAX}), viewer::GizmoHandle::kNone);
     }
@@ -97,22 +97,22 @@ TEST(Gizmo, HandlesAreHitWhereTheyAreSeen) {
 
 TEST(Gizmo, RingsAreHitOnTheirFrontHalf) {
     const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kRotate);
-    const glm::dvec3 middle = position_of(gizmo.world_from_node);
-    const glm::dvec3 to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - middle);
+    const glm::dvec3 centre = position_of(gizmo.world_from_node);
+    const glm::dvec3 to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - centre);
     for (int axis = 0; axis < 3; ++axis) {
         const glm::dvec3 along = axis_of(gizmo, axis);
         const glm::dvec3 front = glm::normalize(to_eye - along * glm::dot(to_eye, along));
         const glm::dvec3 side = glm::cross(along, front);
         const glm::dvec3 at = front * std::cos(0.4) + side * std::sin(0.4);
-        EXPECT_EQ(viewer::gizmo_handle_at(gizmo, pixel_of(gizmo, middle + at * size_m(gizmo))), kAxes[axis]);
-        EXPECT_NE(viewer::gizmo_handle_at(gizmo, pixel_of(gizmo, middle - at * size_m(gizmo))), kAxes[axis]);
+        EXPECT_EQ(viewer::gizmo_handle_at(gizmo, pixel_of(gizmo, centre + at * size_m(gizmo))), kAxes[axis]);
+        EXPECT_NE(viewer::gizmo_handle_at(gizmo, pixel_of(gizmo, centre - at * size_m(gizmo))), kAxes[axis]);
     }
 }
 
 TEST(Gizmo, HitsAreWithinEightPixels) {
     const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kMove);
-    const glm::dvec3 middle = position_of(gizmo.world_from_node);
-    const glm::dvec2 foot = pixel_of(gizmo, middle), tip = pixel_of(gizmo, middle + glm::dvec3(0, size_m(gizmo), 0));
+    const glm::dvec3 centre = position_of(gizmo.world_from_node);
+    const glm::dvec2 foot = pixel_of(gizmo, centre), tip = pixel_of(gizmo, centre + glm::dvec3(0, size_m(gizmo), 0));
     const glm::dvec2 along = glm::normalize(tip - foot), beside(-along.y, along.x), on = glm::mix(foot, tip, 0.8);
     EXPECT_EQ(viewer::gizmo_handle_at(gizmo, on + 7.5 * beside), viewer::GizmoHandle::kY);
     EXPECT_NE(viewer::gizmo_handle_at(gizmo, on + 8.5 * beside), viewer::GizmoHandle::kY);
@@ -137,14 +137,14 @@ TEST(Gizmo, TheNearerHandleIsHit) {
 TEST(Gizmo, MovesAlongAnAxisExactly) {
     for (const viewer::GizmoAxes axes : {viewer::GizmoAxes::kWorld, viewer::GizmoAxes::kLocal}) {
         const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kMove, axes);
-        const glm::dvec3 middle = position_of(gizmo.world_from_node);
+        const glm::dvec3 centre = position_of(gizmo.world_from_node);
         for (int axis = 0; axis < 3; ++axis) {
             const glm::dvec3 along = axis_of(gizmo, axis);
-            const glm::dvec2 from = pixel_of(gizmo, middle + along * 0.3), to = pixel_of(gizmo, middle - along * 0.43);
+            const glm::dvec2 from = pixel_of(gizmo, centre + along * 0.3), to = pixel_of(gizmo, centre - along * 0.43);
             const glm::dmat4 after = viewer::dragged(gizmo, kAxes[axis], from, to, false);
-            expect_near(position_of(after), middle - along * 0.73);
+            expect_near(position_of(after), centre - along * 0.73);
             for (int i = 0; i < 3; ++i) EXPECT_EQ(after[i], gizmo.world_from_node[i]);
-            expect_near(position_of(viewer::dragged(gizmo, kAxes[axis], from, to, true)), middle - along * 0.7);
+            expect_near(position_of(viewer::dragged(gizmo, kAxes[axis], from, to, true)), centre - along * 0.7);
             EXPECT_EQ(viewer::dragged(gizmo, kAxes[axis], from, from, false), gizmo.world_from_node);
         }
     }
@@ -153,14 +153,14 @@ TEST(Gizmo, MovesAlongAnAxisExactly) {
 TEST(Gizmo, MovesInAPlaneExactly) {
     for (const viewer::GizmoAxes axes : {viewer::GizmoAxes::kWorld, viewer::GizmoAxes::kLocal}) {
         const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kMove, axes);
-        const glm::dvec3 middle = position_of(gizmo.world_from_node);
+        const glm::dvec3 centre = position_of(gizmo.world_from_node);
         for (int axis = 0; axis < 3; ++axis) {
             const glm::dvec3 u = axis_of(gizmo, (axis + 1) % 3), v = axis_of(gizmo, (axis + 2) % 3);
-            const glm::dvec2 from = pixel_of(gizmo, middle + (u + v) * 0.2);
-            const glm::dvec2 to = pixel_of(gizmo, middle + u * 0.53 - v * 0.18);
+            const glm::dvec2 from = pixel_of(gizmo, centre + (u + v) * 0.2);
+            const glm::dvec2 to = pixel_of(gizmo, centre + u * 0.53 - v * 0.18);
             expect_near(position_of(viewer::dragged(gizmo, kPlanes[axis], from, to, false)),
-                        middle + u * 0.33 - v * 0.38);
-            expect_near(position_of(viewer::dragged(gizmo, kPlanes[axis], from, to, true)), middle + u * 0.3 - v * 0.4);
+                        centre + u * 0.33 - v * 0.38);
+            expect_near(position_of(viewer::dragged(gizmo, kPlanes[axis], from, to, true)), centre + u * 0.3 - v * 0.4);
         }
     }
 }
@@ -170,30 +170,30 @@ TEST(Gizmo, SnapsInThePlaneOfShearedAxes) {
     glm::dmat4 shear(1);
     shear[1][0] = 0.6;
     gizmo.world_from_node = gizmo.world_from_node * shear;
-    const glm::dvec3 middle = position_of(gizmo.world_from_node), u = axis_of(gizmo, 0), v = axis_of(gizmo, 1);
-    const glm::dvec2 from = pixel_of(gizmo, middle), to = pixel_of(gizmo, middle + u * 0.33 - v * 0.18);
+    const glm::dvec3 centre = position_of(gizmo.world_from_node), u = axis_of(gizmo, 0), v = axis_of(gizmo, 1);
+    const glm::dvec2 from = pixel_of(gizmo, centre), to = pixel_of(gizmo, centre + u * 0.33 - v * 0.18);
     expect_near(position_of(viewer::dragged(gizmo, viewer::GizmoHandle::kXY, from, to, true)),
-                middle + u * 0.3 - v * 0.2);
+                centre + u * 0.3 - v * 0.2);
 }
 
 TEST(Gizmo, TheCentreFollowsThePointer) {
     const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kMove);
-    const glm::dvec3 middle = position_of(gizmo.world_from_node);
-    const glm::dvec2 from = pixel_of(gizmo, middle), to(500, 77);
+    const glm::dvec3 centre = position_of(gizmo.world_from_node);
+    const glm::dvec2 from = pixel_of(gizmo, centre), to(500, 77);
     const glm::dmat4 after = viewer::dragged(gizmo, viewer::GizmoHandle::kCentre, from, to, false);
     EXPECT_LT(glm::distance(pixel_of(gizmo, position_of(after)), to), 1e-9);
-    EXPECT_NEAR(editor::depth_of(gizmo.camera, position_of(after)), editor::depth_of(gizmo.camera, middle), 1e-9);
+    EXPECT_NEAR(editor::depth_of(gizmo.camera, position_of(after)), editor::depth_of(gizmo.camera, centre), 1e-9);
 }
 
 TEST(Gizmo, RotatesByTheAngleInTheRing) {
     for (const viewer::GizmoAxes axes : {viewer::GizmoAxes::kWorld, viewer::GizmoAxes::kLocal}) {
         const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kRotate, axes);
-        const glm::dvec3 middle = position_of(gizmo.world_from_node);
+        const glm::dvec3 centre = position_of(gizmo.world_from_node);
         for (int axis = 0; axis < 3; ++axis) {
             const glm::dvec3 along = axis_of(gizmo, axis), u = editor::perpendicular_to(along),
                              v = glm::cross(along, u);
             const auto on_ring = [&](double angle) {
-                return pixel_of(gizmo, middle + size_m(gizmo) * (u * std::cos(angle) + v * std::sin(angle)));
+                return pixel_of(gizmo, centre + size_m(gizmo) * (u * std::cos(angle) + v * std::sin(angle)));
             };
             for (const double angle : {0.3, -1.0, 2.9, pi / 2}) {
                 const glm::dmat4 after = viewer::dragged(gizmo, kAxes[axis], on_ring(1), on_ring(1 + angle), false);
@@ -234,20 +234,20 @@ TEST(Gizmo, RingsSeenEdgeOnTurnAlongTheirFront) {
 
 TEST(Gizmo, ScalesByTheRatio) {
     const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kScale);
-    const glm::dvec3 middle = position_of(gizmo.world_from_node);
+    const glm::dvec3 centre = position_of(gizmo.world_from_node);
     for (int axis = 0; axis < 3; ++axis) {
         const glm::dvec3 along = axis_of(gizmo, axis) * size_m(gizmo);
         for (const double factor : {0.35, 1.0, 1.83}) {
-            const glm::dvec2 from = pixel_of(gizmo, middle + along), to = pixel_of(gizmo, middle + along * factor);
+            const glm::dvec2 from = pixel_of(gizmo, centre + along), to = pixel_of(gizmo, centre + along * factor);
             glm::dmat4 expected = gizmo.world_from_node;
             expected[axis] *= factor;
             expect_near(viewer::dragged(gizmo, kAxes[axis], from, to, false), expected);
         }
-        const glm::dmat4 snap = viewer::dragged(gizmo, kAxes[axis], pixel_of(gizmo, middle + along),
-                                                pixel_of(gizmo, middle + along * 1.83), true);
+        const glm::dmat4 snap = viewer::dragged(gizmo, kAxes[axis], pixel_of(gizmo, centre + along),
+                                                pixel_of(gizmo, centre + along * 1.83), true);
         EXPECT_NEAR(glm::length(snap[axis]), 1.8 * glm::length(gizmo.world_from_node[axis]), 1e-9);
     }
-    const glm::dvec2 foot = pixel_of(gizmo, middle);
+    const glm::dvec2 foot = pixel_of(gizmo, centre);
     glm::dmat4 half = gizmo.world_from_node;
     for (int i = 0; i < 3; ++i) half[i] *= 0.5;
     expect_near(viewer::dragged(gizmo, viewer::GizmoHandle::kCentre, foot + glm::dvec2(0, 100),
@@ -257,11 +257,11 @@ TEST(Gizmo, ScalesByTheRatio) {
 
 TEST(Gizmo, ScalesNeitherFlatNorMirrored) {
     const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kScale);
-    const glm::dvec3 middle = position_of(gizmo.world_from_node), along = axis_of(gizmo, 0) * size_m(gizmo);
+    const glm::dvec3 centre = position_of(gizmo.world_from_node), along = axis_of(gizmo, 0) * size_m(gizmo);
     for (const double to : {0.0, -1.0, -3.0})
         for (const bool snap : {false, true}) {
-            const glm::dmat4 after = viewer::dragged(gizmo, viewer::GizmoHandle::kX, pixel_of(gizmo, middle + along),
-                                                     pixel_of(gizmo, middle + along * to), snap);
+            const glm::dmat4 after = viewer::dragged(gizmo, viewer::GizmoHandle::kX, pixel_of(gizmo, centre + along),
+                                                     pixel_of(gizmo, centre + along * to), snap);
             const double min_factor = snap ? viewer::kScaleSnap : viewer::kMinFactor;
             EXPECT_NEAR(glm::length(after[0]), min_factor * glm::length(gizmo.world_from_node[0]), 1e-9);
             EXPECT_GT(glm::dot(after[0], gizmo.world_from_node[0]), 0);
@@ -301,7 +301,7 @@ TEST(Gizmo, DragsHaveNoJumps) {
                             const glm::dmat4 after =
                                 viewer::dragged(gizmo, static_cast<viewer::GizmoHandle>(handle), from, to, false);
                             ASSERT_TRUE(is_finite(after));
-                            // A rotation by nearly half a revolution, as the pointer passes the middle, is no jump.
+                            // A rotation by nearly half a revolution, as the pointer passes the centre, is no jump.
                             if (i > 0 && mode != viewer::GizmoMode::kRotate) {
                                 const double farthest = 5 * editor::kMaxDepthFactor;
                                 ASSERT_LT(glm::length(after[3]), 2.5 * farthest);

@@ -44,7 +44,7 @@ std::set<int> handles_of(const viewer::LightGizmo& gizmo) {
     handles.erase(0);
     return handles;
 }
-glm::dvec2 middle_of(const viewer::LightGizmo& gizmo, viewer::LightHandle handle) {
+glm::dvec2 centre_of(const viewer::LightGizmo& gizmo, viewer::LightHandle handle) {
     for (const viewer::HandleShape& shape : viewer::light_shapes(gizmo))
         if (shape.handle == static_cast<int>(handle) && shape.filled)
             return glm::dvec2(shape.points[0] + shape.points[2]) / 2.0;
@@ -143,7 +143,7 @@ TEST(LightGizmo, TheRangeFollowsThePointer) {
     for (const viewer::LightGizmo& gizmo : {from_the_side(), askew()}) {
         const viewer::AimedLight& light = gizmo.light;
         const auto at = [&](double range) { return pixel_of(gizmo, light.position + light.direction() * range); };
-        EXPECT_LT(glm::distance(middle_of(gizmo, viewer::LightHandle::kRange), at(light.range_m)), 1e-9);
+        EXPECT_LT(glm::distance(centre_of(gizmo, viewer::LightHandle::kRange), at(light.range_m)), 1e-9);
         for (const double range : {0.3, 1.0, 2.8})
             EXPECT_NEAR(
                 viewer::dragged(gizmo, viewer::LightHandle::kRange, at(light.range_m), at(range), false).range_m, range,

@@ -17,7 +17,7 @@ struct Arranging : ViewerWindow {
                     [&](const json&) { return !edit::list_recovery(folder.path / "state/neuvv/recovery").empty(); });
     }
     // A point of the image that shows anna: of all pixels that she changes on the empty stage, the one nearest to their
-    // middle.
+    // centre.
     Spot of_anna(const Hands& hands, const media::Image& image) const {
         const std::string empty = file("empty.gltf");
         stage::StageFile empty_stage = edit::new_stage(empty);
@@ -34,9 +34,9 @@ struct Arranging : ViewerWindow {
                     sum += hers.back();
                 }
         if (hers.empty()) throw std::runtime_error("anna is not seen");
-        const glm::dvec2 middle = sum / static_cast<double>(hers.size());
+        const glm::dvec2 centre = sum / static_cast<double>(hers.size());
         const glm::dvec2 best = *std::min_element(hers.begin(), hers.end(), [&](glm::dvec2 a, glm::dvec2 b) {
-            return glm::distance(a, middle) < glm::distance(b, middle);
+            return glm::distance(a, centre) < glm::distance(b, centre);
         });
         return hands.in_image(best.x / image.width, best.y / image.height);
     }
@@ -70,7 +70,7 @@ TEST_F(Arranging, TheGizmoMovesTheNodeAndOneUndoTakesItBack) {
     hands->until_rest();
     const media::Image before = hands->image();
     hands->click("stage/anna");
-    const Spot arrow = hands->middle_of("gizmo/x");
+    const Spot arrow = hands->centre_of("gizmo/x");
     hands->drag(arrow, {arrow.x + 60, arrow.y});
     hands->until("an edit", kModified);
     const media::Image after = hands->image();
@@ -93,7 +93,7 @@ TEST_F(Arranging, ACopyIsSeenSavedAndDeleted) {
     hands->click("stage/anna");
     hands->key("ctrl+d");
     hands->until("an edit", kModified);
-    hands->middle_of("stage/anna 2");
+    hands->centre_of("stage/anna 2");
     EXPECT_TRUE(other(before, hands->image()));
     save(*hands);
     EXPECT_EQ(saved()["nodes"].size(), nodes + 1);
@@ -112,7 +112,7 @@ TEST_F(Arranging, MoreLightIsSeenAndSaved) {
     const json dim = saved()["extensions"]["KHR_lights_punctual"]["lights"][0];
     hands->click("stage/key");
     hands->click("tab/light");
-    hands->double_click(hands->middle_of("light/intensity"));
+    hands->double_click(hands->centre_of("light/intensity"));
     hands->key("ctrl+a");
     hands->type("400");
     hands->key("Return");
@@ -185,7 +185,7 @@ TEST_F(Arranging, ACameraPathBecomesTheStages) {
     const auto hands = open(stage);
     hands->until_rest();
     hands->key("ctrl+o");
-    hands->middle_of("question/name");
+    hands->centre_of("question/name");
     hands->type("path.json");
     hands->key("Return");
     hands->until("an edit", kModified);
@@ -194,7 +194,7 @@ TEST_F(Arranging, ACameraPathBecomesTheStages) {
     EXPECT_EQ(path["keys"].size(), 2u) << path;
     write_text(file("bad.json"), "{}");
     hands->key("ctrl+o");
-    hands->middle_of("question/name");
+    hands->centre_of("question/name");
     hands->type("bad.json");
     hands->key("Return");
     hands->until_notice("bad.json");
@@ -215,7 +215,7 @@ TEST_F(Arranging, AStageThatWasNeverSavedIsOfferedWithoutItsName) {
     hands.click("question/Recover");
     hands.until("the edit to be back", kModified);
     EXPECT_EQ(hands.seen()["open"], file("waver.gltf"));
-    hands.middle_of("stage/waver 2");
+    hands.centre_of("stage/waver 2");
 }
 
 }  // namespace

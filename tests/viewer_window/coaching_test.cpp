@@ -32,7 +32,7 @@ TEST_F(Coaching, ClicksBeginItAndEveryControlDoesWhatItSays) {
     const auto hands = open(stage, "900x900");
     hands->until_rest();
     hands->click("tab/coach");
-    hands->double_click(hands->middle_of("coach/motion from"));
+    hands->double_click(hands->centre_of("coach/motion from"));
     hands->key("ctrl+a");
     hands->type(trainee);
     hands->key("Return");
@@ -86,7 +86,7 @@ TEST_F(Coaching, ASkeletonIsTheSelectedPerformersOrIsCompared) {
     hands->until_rest();
     const auto give = [&] {
         hands->key("ctrl+o");
-        hands->middle_of("question/name");
+        hands->centre_of("question/name");
         hands->type("trainee.skeleton.glb");
         hands->key("Return");
     };

@@ -84,7 +84,7 @@ TEST_F(Editing, BackwardsIsSeenSavedAndUndone) {
 TEST_F(Editing, TheEndOfAClipIsTrimmedByItsGrip) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    const Spot end = hands->middle_of("timeline/anna/end"), start = hands->middle_of("timeline/anna/start");
+    const Spot end = hands->centre_of("timeline/anna/end"), start = hands->centre_of("timeline/anna/start");
     hands->drag(end, {std::round((start.x + end.x) / 2), end.y});
     hands->until("an edit", [](const json& now) { return now["modified"] == true; });
     save(*hands);
@@ -164,14 +164,14 @@ TEST_F(Editing, AImageIsProjectedOntoWhoIsUnderIt) {
     hands->type(file("red.png"));
     hands->key("Return");
     hands->point(hands->in_image(0.5, 0.5));
-    hands->middle_of("paint/stamp-area");
+    hands->centre_of("paint/stamp-area");
     hands->click(hands->in_image(0.5, 0.5));
     hands->until("paint", [](const json& now) { return now["modified"] == true; });
     hands->point(hands->in_image(0.02, 0.98));
     const media::Image stamped = hands->image();
     EXPECT_TRUE(other(bare, stamped));
-    const uint8_t* middle = stamped.at(stamped.width / 2, stamped.height / 2);
-    EXPECT_GT(middle[0], 2 * std::max(middle[1], middle[2])) << "red";
+    const uint8_t* centre = stamped.at(stamped.width / 2, stamped.height / 2);
+    EXPECT_GT(centre[0], 2 * std::max(centre[1], centre[2])) << "red";
     hands->key("ctrl+z");
     EXPECT_TRUE(same(bare, hands->image()));
 }
@@ -195,7 +195,7 @@ TEST_F(Editing, PaintOnACopyOfTheStageLeavesTheFirstAlone) {
     const std::string paint = read_text(folder.path / uri);
 
     hands->key("ctrl+shift+s");
-    hands->middle_of("question/name");
+    hands->centre_of("question/name");
     hands->type("copy");
     hands->key("Return");
     hands->until("the copy", [&](const json& now) { return now["open"] == file("copy.gltf"); });

@@ -12,15 +12,15 @@ using nlohmann::json;
 
 struct Exporting : ViewerWindow {
     static void set(Hands& hands, const std::string& field, const std::string& value) {
-        hands.double_click(hands.middle_of(field));
+        hands.double_click(hands.centre_of(field));
         hands.key("ctrl+a");
         hands.type(value);
         hands.key("Return");
     }
     void export_to(Hands& hands, const std::string& name) const {
-        hands.wheel(hands.middle_of("export/Width"), -30);  // to the end of the panel
+        hands.wheel(hands.centre_of("export/Width"), -30);  // to the end of the panel
         hands.click("export/start");
-        hands.middle_of("question/name");
+        hands.centre_of("question/name");
         hands.type(name);
         hands.key("Return");
         hands.until_notice("exported " + file(name.c_str()));

@@ -172,7 +172,7 @@ json Hands::until_notice(const std::string& part) const {
     });
 }
 
-Spot Hands::middle_of(const std::string& item) const {
+Spot Hands::centre_of(const std::string& item) const {
     const json report =
         until("the item \"" + item + "\"", [&](const json& now) { return now["items"].contains(item); });
     const std::vector<double> area = report["items"][item];

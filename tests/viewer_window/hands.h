@@ -63,7 +63,7 @@ class Hands {
     // Waits for a notice that contains `part`.
     nlohmann::json until_notice(const std::string& part) const;
 
-    Spot middle_of(const std::string& item) const;  // waits for the item
+    Spot centre_of(const std::string& item) const;  // waits for the item
     // A point of the image: (0, 0) is its upper left corner, (1, 1) its lower right corner.
     Spot in_image(double x, double y) const;
 
@@ -71,7 +71,7 @@ class Hands {
     void press(int button = 1);
     void release(int button = 1);
     void click(Spot at, int button = 1);
-    void click(const std::string& item) { click(middle_of(item)); }
+    void click(const std::string& item) { click(centre_of(item)); }
     void double_click(Spot at);
     void drag(Spot from, Spot to, int button = 1);
     void wheel(Spot at, int notches);  // up is positive

@@ -63,7 +63,7 @@ void measure(const Measure& measure) {
     });
     measure("moving a performer", [](Hands& hands) {
         hands.click("stage/" + first_performer(hands));
-        const Spot arrow = hands.middle_of("gizmo/x");
+        const Spot arrow = hands.centre_of("gizmo/x");
         for (int i = 0; i < 3; ++i) {
             hands.drag(arrow, {arrow.x + 60, arrow.y});
             hands.key("ctrl+z");
@@ -73,12 +73,12 @@ void measure(const Measure& measure) {
     measure("turning up a light", [](Hands& hands) {
         hands.click("stage/key");
         hands.click("tab/light");
-        const Spot field = hands.middle_of("light/intensity");
+        const Spot field = hands.centre_of("light/intensity");
         for (int i = 0; i < 3; ++i) hands.drag(field, {field.x + 40, field.y});
     });
     measure("painting", [](Hands& hands) {
         hands.click("stage/" + first_performer(hands));
-        const Spot chest = hands.middle_of("gizmo/y");
+        const Spot chest = hands.centre_of("gizmo/y");
         hands.click("tab/paint");
         hands.click("paint/colour");
         for (int i = 0; i < 3; ++i) hands.drag({chest.x - 10, chest.y - 20.0 * i}, {chest.x + 10, chest.y});
@@ -103,11 +103,11 @@ void measure(const Measure& measure) {
     });
     measure("looking around while it exports", [](Hands& hands) {
         hands.click("tab/render");
-        hands.wheel(hands.middle_of("render/Image"), -20);
+        hands.wheel(hands.centre_of("render/Image"), -20);
         hands.click("export/720p");
         hands.click("export/start");
         hands.click("question/Save");
-        hands.middle_of("export/progress");
+        hands.centre_of("export/progress");
         for (int i = 0; i < 3; ++i) hands.drag(hands.in_image(0.2, 0.8), hands.in_image(0.8, 0.7));
         hands.click("export/cancel");
         hands.until_notice("export");

@@ -27,7 +27,7 @@ inline double share_that_differs(const media::Image& a, const media::Image& b, i
 }
 
 // Images of the same view differ by the rounding of the cameras of blocks, which moves an edge of a leaf or of a shadow
-// across the middle of a few pixels.
+// across the centre of a few pixels.
 constexpr double kSameImage = 0.002;
 // A change that moves, adds or lights something changes more pixels than this.
 constexpr double kOtherImage = 0.005;

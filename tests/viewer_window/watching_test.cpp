@@ -110,7 +110,7 @@ TEST_F(Watching, ASoundIsSeenOnTheTimelineWhereItIsHeard) {
     done({"stage", "set", stage, "anna", "--sound", file("late.wav")});
     const auto hands = open(stage, "960x540");
     hands->until_rest();
-    hands->middle_of("timeline/anna/waveform");
+    hands->centre_of("timeline/anna/waveform");
     const json items = hands->seen()["items"];
     const std::vector<double> start = items["timeline/anna/start"], end = items["timeline/anna/end"];
     const double begin_x = start[0], second = (end[0] + end[2] - begin_x) / 2;  // the clip lasts two
@@ -150,7 +150,7 @@ TEST_F(Watching, WhatIsNoSoundIsSaidAndSeenWhenItIsOne) {
     const json report = hands->until_notice("song.wav");
     EXPECT_FALSE(report["items"].contains("timeline/anna/waveform"));
     std::filesystem::rename(file("mended.wav"), file("song.wav"));
-    hands->middle_of("timeline/anna/waveform");
+    hands->centre_of("timeline/anna/waveform");
 }
 
 TEST_F(Watching, LooksAroundAndComesToRest) {

@@ -42,11 +42,11 @@ TEST(Half, EveryFiniteHalfSurvivesTheRoundTrip) {
 TEST(Half, RoundsToNearestTiesToEven) {
     for (uint32_t low = 0; low < 0x7bff; ++low) {
         const uint32_t even = low % 2 == 0 ? low : low + 1;
-        const auto middle = static_cast<float>((value_of_half(low) + value_of_half(low + 1)) / 2);
-        ASSERT_EQ(even, voctree::half_from_float(middle)) << low;
-        ASSERT_EQ(even | 0x8000, voctree::half_from_float(-middle)) << low;
-        ASSERT_EQ(low, voctree::half_from_float(std::nextafter(middle, 0.0f))) << low;
-        ASSERT_EQ(low + 1, voctree::half_from_float(std::nextafter(middle, 1e6f))) << low;
+        const auto centre = static_cast<float>((value_of_half(low) + value_of_half(low + 1)) / 2);
+        ASSERT_EQ(even, voctree::half_from_float(centre)) << low;
+        ASSERT_EQ(even | 0x8000, voctree::half_from_float(-centre)) << low;
+        ASSERT_EQ(low, voctree::half_from_float(std::nextafter(centre, 0.0f))) << low;
+        ASSERT_EQ(low + 1, voctree::half_from_float(std::nextafter(centre, 1e6f))) << low;
     }
 }
 

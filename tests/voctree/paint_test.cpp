@@ -103,9 +103,9 @@ TEST(PaintLayers, LaterEditsGoOverEarlierOnesAtEveryInstant) {
 
 TEST(PaintLayers, WhatIsTheSameStaysOneEdit) {
     voctree::EditLayer layer{{1, kLeaves, kFrames}, {}};
-    const voctree::LeafEdit red{1, 1, 3, {1, 0, 0}, 1}, middle{1, 2, 2, {0, 1, 0}, 1};
+    const voctree::LeafEdit red{1, 1, 3, {1, 0, 0}, 1}, centre{1, 2, 2, {0, 1, 0}, 1};
     voctree::add_edits(layer, std::array{red});
-    voctree::add_edits(layer, std::array{middle});
+    voctree::add_edits(layer, std::array{centre});
     ASSERT_EQ(layer.edits.size(), 3u) << "cut in two";
     EXPECT_EQ(layer.edits[0].last, std::nextafter(2.0f, 0.0f));
     voctree::add_edits(layer, std::array{red});

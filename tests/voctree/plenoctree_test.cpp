@@ -81,9 +81,9 @@ TEST_F(PlenoctreeTest, CoefficientsAreTheFilesWithTurnedSigns) {
     const double signs[] = {1, -1, 1, -1, 1, -1, 1, -1, 1};
     for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         const voctree::LeafPosition& position = positions[leaf];
-        const glm::dvec3 middle =
+        const glm::dvec3 centre =
             (glm::dvec3(position.x, position.y, position.z) + 0.5) * std::ldexp(1.0, -int(position.depth));
-        const float* expected = truth.query((middle - glm::dvec3(truth.offset)) / glm::dvec3(truth.invradius));
+        const float* expected = truth.query((centre - glm::dvec3(truth.offset)) / glm::dvec3(truth.invradius));
         for (size_t c = 0; c < 3; ++c)
             for (size_t i = 0; i < 9; ++i)
                 ASSERT_NEAR(slices[leaf].k[c][i], signs[i] * double{expected[9 * c + i]}, 5e-7);

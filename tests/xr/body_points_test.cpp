@@ -70,9 +70,9 @@ TEST(BodyPoints, TrackersAreTheJointsThatTheyAreWornAt) {
     ASSERT_TRUE(pose);
     for (size_t i = 0; i < xr::kTrackers; ++i)
         expect_at(*pose, xr::kTrackerRoles[i].joint, *points.trackers[i], 0.8, true);
-    const glm::dvec3 middle =
+    const glm::dvec3 centre =
         (motion::at(*pose, Joint::kLeftShoulder).position + motion::at(*pose, Joint::kRightShoulder).position) / 2.0;
-    expect_at(*pose, Joint::kNeck, middle, 0.8, true);
+    expect_at(*pose, Joint::kNeck, centre, 0.8, true);
     EXPECT_FALSE(motion::at(*pose, Joint::kLeftHip).measured);
     EXPECT_EQ(motion::at(*pose, Joint::kLeftHip).confidence, 0.2);
 }

@@ -77,10 +77,10 @@ TEST(EyeShapes, LinesStayAsWideAsAPixelHoweverFar) {
 
 TEST(EyeShapes, BallsHaveTheirRadius) {
     xr::EyeShapes shapes = seen_from({});
-    const glm::vec3 middle(1, 2, 3);
-    shapes.ball(middle, 0.25, kRed);
+    const glm::vec3 centre(1, 2, 3);
+    shapes.ball(centre, 0.25, kRed);
     for (const xr::ShapeVertex& corner : shapes.solid())
-        EXPECT_NEAR(glm::distance(corner.position, middle), 0.25, 1e-6);
+        EXPECT_NEAR(glm::distance(corner.position, centre), 0.25, 1e-6);
     ASSERT_EQ(shapes.solid().size() % 3, 0u);
 }
 

@@ -173,7 +173,7 @@ TEST(Grab, TwoHandsTurnAnUprightThingLikeTheirLineSeenFromAbove) {
     EXPECT_LT(glm::distance(glm::normalize(glm::dvec3(moved[0])), {0, 0, -1}), 1e-12);
     EXPECT_LT(glm::distance(glm::normalize(glm::dvec3(moved[1])), {0, 1, 0}), 1e-12);
     EXPECT_NEAR(glm::length(glm::dvec3(moved[1])), std::hypot(0.6, 0.4) / 0.4, 1e-12);
-    EXPECT_LT(glm::distance(carried(glm::dmat4(1), moved, {0, 1, 0}), {1, 1.2, 0}), 1e-12) << "the middle";
+    EXPECT_LT(glm::distance(carried(glm::dmat4(1), moved, {0, 1, 0}), {1, 1.2, 0}), 1e-12) << "the centre";
 }
 
 TEST(Grab, AVerticalLineGivesNoYaw) {

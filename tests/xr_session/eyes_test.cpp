@@ -86,7 +86,7 @@ TEST_F(Eyes, AreSharpWhereTheyLook) {
             EXPECT_GT(differing(a, b, x, blurred_y, kRadius), 20u) << eye;
         }
     }
-    // Without the extension, and with it on a headset that does not track eyes, it is in the middle from the start.
+    // Without the extension, and with it on a headset that does not track eyes, it is in the centre from the start.
     script.json["gaze"] = false;
     const media::Image lost = inset.image(kLost, "left");
     EXPECT_TRUE(same_pixels(run(script, {"--inset", "0.25"}).image(kAtFeet, "left"), lost));
@@ -180,7 +180,7 @@ TEST_F(NarrowViews, AreLeftOutByStereo) {
     const std::string check = run(script, {"--check"}).log, stereo_check = run(script, {"--check", "--stereo"}).log;
     EXPECT_NE(check.find("narrow view while the eyes are tracked, where they look: 192x192"), std::string::npos)
         << check;
-    EXPECT_EQ(stereo_check.find("narrow view of each eye, in the middle"), std::string::npos) << stereo_check;
+    EXPECT_EQ(stereo_check.find("narrow view of each eye, in the centre"), std::string::npos) << stereo_check;
 }
 
 // The share of a part of an image whose alpha is above `alpha`.

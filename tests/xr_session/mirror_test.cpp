@@ -9,7 +9,7 @@
 namespace neuvv::test {
 namespace {
 
-// How an image lies in the middle of a window, as large as fits: its scale, and its upper left corner in pixels of the
+// How an image lies in the centre of a window, as large as fits: its scale, and its upper left corner in pixels of the
 // window.
 struct Fit {
     double scale, left, top;
@@ -19,8 +19,8 @@ Fit fit_of(const media::Image& eye, const ui::WindowGeometry& window) {
     return {scale, (window.width - scale * eye.width) / 2, (window.height - scale * eye.height) / 2};
 }
 
-// Whether an eye's image is shown in the middle of a window, as large as fits. Pixels of the window that lie outside
-// the screen are ignored. The middle of an image's pixel is up to half a pixel from the middle of a screen's pixel, so
+// Whether an eye's image is shown in the centre of a window, as large as fits. Pixels of the window that lie outside
+// the screen are ignored. The centre of an image's pixel is up to half a pixel from the centre of a screen's pixel, so
 // the tolerance allows for a share of the neighbouring pixel.
 bool is_mirrored(const media::Image& eye, const media::Image& screen, const ui::WindowGeometry& window) {
     const auto [scale, left, top] = fit_of(eye, window);

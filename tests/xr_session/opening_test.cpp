@@ -58,7 +58,7 @@ struct Opening : XrSession {
     }
 };
 
-// What is seen of the status, which is below the middle of the view.
+// What is seen of the status, which is below the centre of the view.
 media::Image status_of(const XrRun& run, int frame) {
     const media::Image image = run.image(frame, "left");
     media::Image part(image.width / 2, image.height / 5);

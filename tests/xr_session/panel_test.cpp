@@ -26,7 +26,7 @@ TEST_F(Panel, BothEyesSeeAllOfIt) {
     ASSERT_GT(run.seen["panel"].size(), 10u);
     for (const auto& [name, at] : run.seen["panel"].items()) {
         const glm::dvec3 to_item = glm::normalize(item_position(at) - head);
-        EXPECT_GT(glm::dot(to_item, ahead), std::cos(glm::radians(34.0))) << name << " is far from the view's middle";
+        EXPECT_GT(glm::dot(to_item, ahead), std::cos(glm::radians(34.0))) << name << " is far from the view's centre";
     }
 }
 

@@ -60,7 +60,7 @@ struct XrRun {
     std::filesystem::path out;
 };
 
-// The middle of anna, and the positions in which scripts begin with the hands.
+// The centre of anna, and the positions in which scripts begin with the hands.
 constexpr glm::dvec3 kAnna(0, 0.8, -2), kRightHand(0.2, 1.2, -0.3), kLeftHand(-0.2, 1.2, -0.3);
 
 // A stage with a disk as its floor and one performer, "anna", who is 1.6 m high and stands 2 m before the user.
@@ -76,7 +76,7 @@ class XrSession : public testing::Test {
     XrRun run(const XrScript& script, const std::vector<std::string>& more = {}, bool validate = true);
     // XrRun::out of the next run.
     std::filesystem::path next_out() const { return folder.path / ("run" + std::to_string(runs_ + 1)); }
-    // The middles of the panel's items (tracking space) after a run of the script, by name. That run has no validation
+    // The centres of the panel's items (tracking space) after a run of the script, by name. That run has no validation
     // layers, which take half of the time: a run that presses those items draws the same panel, and is to be
     // expect_clean.
     nlohmann::json panel_after(XrScript script, int end_frame);

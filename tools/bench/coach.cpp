@@ -111,7 +111,7 @@ void time_host_steps(Lesson& lesson, CoachParts& parts, double now_s, double cli
     time_step(steps.view, [&] {
         const std::vector<coach::JointError> errors = lesson.coach.errors();
         parts.chooser.choose(errors, errors.empty() ? std::vector<coach::BodyBone>{} : lesson.coach.body(),
-                             lesson.coach.middle(), coach::kViewDistance * lesson.coach.height(), 1 / lesson.stage.fps);
+                             lesson.coach.centre(), coach::kViewDistance * lesson.coach.height(), 1 / lesson.stage.fps);
     });
     time_step(steps.show, [&] {
         lesson.coach.highlight();
@@ -125,15 +125,15 @@ stage::Camera front_camera(const Lesson& lesson, const stage::EvaluatedStage& ev
     const auto world = [&](const glm::dvec3& point) {
         return glm::dvec3(lesson.performer(evaluated).world_from_performer * glm::dvec4(point, 1));
     };
-    const glm::dvec3 middle = lesson.coach.middle();
-    const glm::dvec3 eye = world(middle + coach::kViewDistance * lesson.coach.height() * glm::dvec3(0, 0, 1));
+    const glm::dvec3 centre = lesson.coach.centre();
+    const glm::dvec3 eye = world(centre + coach::kViewDistance * lesson.coach.height() * glm::dvec3(0, 0, 1));
     stage::Camera camera;
     camera.width = size.width;
     camera.height = size.height;
     camera.cx = 0.5 * size.width;
     camera.cy = 0.5 * size.height;
     camera.fx = camera.fy = 0.5 * size.height / std::tan(0.5 * glm::radians(kViewAngle_deg));
-    camera.world_from_camera = glm::inverse(glm::lookAt(eye, world(middle), glm::dvec3(0, 1, 0)));
+    camera.world_from_camera = glm::inverse(glm::lookAt(eye, world(centre), glm::dvec3(0, 1, 0)));
     return camera;
 }
 

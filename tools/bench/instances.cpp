@@ -35,25 +35,25 @@ struct Drawn {
 std::vector<render::Instance> copies_of(const voctree::VOctree& tree, const std::pair<glm::dvec3, glm::dvec3>& box,
                                         uint32_t count) {
     const auto side = static_cast<uint32_t>(std::ceil(std::sqrt(count)));
-    const glm::dvec3 middle = 0.5 * (box.first + box.second);
+    const glm::dvec3 centre = 0.5 * (box.first + box.second);
     const double step_m = 1.05 * glm::length(box.second - box.first);
     std::vector<render::Instance> copies;
     for (uint32_t i = 0; i < count; ++i) {
         const glm::dvec2 cell = glm::dvec2(i % side, i / side) - 0.5 * (side - 1.0);
-        glm::dmat4 transform = glm::translate(glm::dmat4(1), glm::dvec3(cell.x * step_m, cell.y * step_m, 0) + middle);
+        glm::dmat4 transform = glm::translate(glm::dmat4(1), glm::dvec3(cell.x * step_m, cell.y * step_m, 0) + centre);
         transform = glm::rotate(transform, 2.4 * i, glm::dvec3(0, 1, 0));
         const double time = (tree.frames - 1.0) * i / std::max(count - 1, 1u);
-        copies.push_back({static_cast<float>(time), glm::mat4(glm::translate(transform, -middle))});
+        copies.push_back({static_cast<float>(time), glm::mat4(glm::translate(transform, -centre))});
     }
     return copies;
 }
 
 // A camera that sees a square of `count` copies from +Z.
 stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, media::ImageSize size) {
-    const glm::dvec3 middle = 0.5 * (box.first + box.second);
+    const glm::dvec3 centre = 0.5 * (box.first + box.second);
     const double radius_m = 0.55 * std::ceil(std::sqrt(count)) * glm::length(box.second - box.first);
     return tools::centred_camera(size, 1.2 * std::min(size.width, size.height),
-                                 glm::translate(glm::dmat4(1), middle + glm::dvec3(0, 0, 2.6 * radius_m)));
+                                 glm::translate(glm::dmat4(1), centre + glm::dvec3(0, 0, 2.6 * radius_m)));
 }
 
 // Draws frames of so many instances each, one after the other.

@@ -133,17 +133,17 @@ float any_half(uint64_t bits) {
 // The cells between two spheres, in a cube of 2^depth cells a side; `radius` in cells.
 std::vector<voctree::LeafPosition> shell(uint32_t depth, double radius) {
     std::vector<voctree::LeafPosition> positions;
-    const double middle = std::ldexp(0.5, static_cast<int>(depth));
+    const double centre = std::ldexp(0.5, static_cast<int>(depth));
     const uint32_t side = 1u << depth;
     for (uint32_t z = 0; z < side; ++z)
         for (uint32_t y = 0; y < side; ++y) {
-            const double dy = y + 0.5 - middle, dz = z + 0.5 - middle, across = dy * dy + dz * dz;
+            const double dy = y + 0.5 - centre, dz = z + 0.5 - centre, across = dy * dy + dz * dz;
             const double outer = (radius + kThickness / 2) * (radius + kThickness / 2) - across;
             if (outer < 0) continue;
             const double inner = (radius - kThickness / 2) * (radius - kThickness / 2) - across;
-            const auto first_x = static_cast<uint32_t>(middle - 0.5 - std::sqrt(outer)) + 1;
+            const auto first_x = static_cast<uint32_t>(centre - 0.5 - std::sqrt(outer)) + 1;
             for (uint32_t x = first_x; x < side - first_x; ++x) {
-                const double dx = x + 0.5 - middle;
+                const double dx = x + 0.5 - centre;
                 if (dx * dx >= inner) positions.push_back({x, y, z, depth});
             }
         }

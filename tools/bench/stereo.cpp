@@ -36,9 +36,9 @@ constexpr double kEyeDistance_m = 0.063;
 // The eyes of an upright person one height of the performer away, with a horizontal angle of view of 90°.
 std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, media::ImageSize size,
                                        double turn) {
-    const glm::dvec3 middle = 0.5 * (box.first + box.second);
+    const glm::dvec3 centre = 0.5 * (box.first + box.second);
     const double away_m = box.second.y - box.first.y;
-    const glm::dmat4 turned = glm::rotate(glm::translate(glm::dmat4(1), middle), turn, glm::dvec3(0, 1, 0));
+    const glm::dmat4 turned = glm::rotate(glm::translate(glm::dmat4(1), centre), turn, glm::dvec3(0, 1, 0));
     std::vector<stage::Camera> eyes;
     for (const double side : {-0.5, 0.5})
         eyes.push_back(tools::centred_camera(size, 0.5 * size.width,

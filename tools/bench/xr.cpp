@@ -34,8 +34,8 @@ stage::Stage stage_of(const XrOptions& options) {
 // as in common headsets.
 xr::EyeViews eyes_at(const stage::Stage& stage, double time_s) {
     const auto [low, high] = stage::performers_box(stage, stage::stage_at(stage, 0));
-    const glm::dvec3 middle = 0.5 * (low + high);
-    const glm::dvec3 head(middle.x + 0.12 * std::sin(1.3 * time_s), std::min(high.y, low.y + 1.65), high.z + 2);
+    const glm::dvec3 centre = 0.5 * (low + high);
+    const glm::dvec3 head(centre.x + 0.12 * std::sin(1.3 * time_s), std::min(high.y, low.y + 1.65), high.z + 2);
     xr::EyeViews eyes{std::vector<xr::EyeView>(xr::kEyes)};
     for (uint32_t eye = 0; eye < xr::kEyes; ++eye) {
         eyes.views[eye].pose.position = head + glm::dvec3((eye - 0.5) * 0.064, 0, 0);

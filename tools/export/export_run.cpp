@@ -59,22 +59,22 @@ void ExportRun::write(const std::filesystem::path& file) {
 }
 
 uint32_t ExportRun::measured_frame() const {
-    const uint32_t middle = frames_.first + frames_.count() / 2;
+    const uint32_t centre = frames_.first + frames_.count() / 2;
     for (uint32_t away = 0; away < frames_.count(); ++away) {
-        if (middle + away <= frames_.last && !clip_.is_hidden(middle + away)) return middle + away;
-        if (middle >= frames_.first + away && !clip_.is_hidden(middle - away)) return middle - away;
+        if (centre + away <= frames_.last && !clip_.is_hidden(centre + away)) return centre + away;
+        if (centre >= frames_.first + away && !clip_.is_hidden(centre - away)) return centre - away;
     }
-    return middle;
+    return centre;
 }
 
 void ExportRun::run() {
     catch_stop_signals();
     progress_.set_total(frames_.count());
-    const uint32_t middle = measured_frame();
-    const FrameExport::Estimate each = kind_.estimate(middle);
+    const uint32_t centre = measured_frame();
+    const FrameExport::Estimate each = kind_.estimate(centre);
     expect_room(options_, fmt::format("{} frames of {}", frames_.count(), each.what), each.bytes * frames_.count(),
                 "choose fewer --frames, smaller ones, or another folder");
-    kind_.measure(middle, working(0));
+    kind_.measure(centre, working(0));
     bool waiting = false;  // frames that were added, but not written
     for (uint32_t frame = frames_.first; frame <= frames_.last; ++frame) {
         const Working at_work = working(frame - frames_.first);

@@ -26,7 +26,7 @@ class ExportRun {
 
   private:
     void expect_files_for_frames(const std::string& ending) const;
-    uint32_t measured_frame() const;  // the one nearest to the middle in which the performer is not hidden
+    uint32_t measured_frame() const;  // the one nearest to the centre in which the performer is not hidden
     void write(const std::filesystem::path& file);
     Working working(uint64_t done);
 

@@ -11,7 +11,7 @@ constexpr double kWanted_m = 0.5 * (kNearest_m + kFarthest_m), kInside_m = 0.5;
 
 struct Neighbour {
     double away_m = INFINITY;  // INFINITY: there is none
-    glm::dvec3 middle{0};      // at the height of the place that it is the neighbour of
+    glm::dvec3 centre{0};      // at the height of the place that it is the neighbour of
 };
 
 // The nearest performer that is seen. How near it is grows by at most one metre for each that one goes.
@@ -21,18 +21,18 @@ Neighbour nearest_performer(const HeadsetState& state, glm::dvec3 at) {
         if (!performer.visible) continue;
         const auto [low, high] = editor::box_of(state, performer.performer);
         const glm::dmat4& world = performer.world_from_performer;
-        glm::dvec3 middle = world * glm::dvec4(0.5 * (low + high), 1);
-        middle.y = at.y;
+        glm::dvec3 centre = world * glm::dvec4(0.5 * (low + high), 1);
+        centre.y = at.y;
         glm::dvec3 beside(0);  // how far the place lies outside of the box, along each horizontal axis
         for (const int axis : {0, 2}) {
             const glm::dvec3 along(world[axis].x, 0, world[axis].z);
             const double scale = glm::length(along);
             if (scale > 0)
                 beside[axis] = std::max(
-                    std::abs(glm::dot(at - middle, along)) / scale - 0.5 * (high[axis] - low[axis]) * scale, 0.0);
+                    std::abs(glm::dot(at - centre, along)) / scale - 0.5 * (high[axis] - low[axis]) * scale, 0.0);
         }
-        const double away_m = std::min(glm::distance(at, middle), glm::length(beside) + kInside_m);
-        if (away_m < nearest.away_m) nearest = {away_m, middle};
+        const double away_m = std::min(glm::distance(at, centre), glm::length(beside) + kInside_m);
+        if (away_m < nearest.away_m) nearest = {away_m, centre};
     }
     return nearest;
 }
@@ -56,7 +56,7 @@ std::optional<glm::dvec3> place_along(const HeadsetState& state, glm::dvec3 at, 
     return std::nullopt;
 }
 
-// Below the stage's first perspective camera; else before the middle of what is solid of the performers, so that all of
+// Below the stage's first perspective camera; else before the centre of what is solid of the performers, so that all of
 // them are ahead.
 StandingPlace place_of_camera(const HeadsetState& state) {
     for (const stage::EvaluatedCamera& camera : state.evaluated.cameras) {
@@ -89,7 +89,7 @@ StandingPlace first_place(const HeadsetState& state) {
         place.floor_point = *ahead;
         return place;
     }
-    const glm::dvec3 towards = nearest.middle - place.floor_point;
+    const glm::dvec3 towards = nearest.centre - place.floor_point;
     if (!(glm::length(towards) > 0)) return place;
     const double yaw_rad = std::atan2(-towards.x, -towards.z);
     if (const auto beside = place_along(state, place.floor_point, ahead_of(yaw_rad))) place = {*beside, yaw_rad};

@@ -17,7 +17,7 @@ struct StandingPlace {
 // nearest performer comes to stand in between, ahead of that place or behind it; where nobody is ahead, towards the
 // nearest performer and facing it.
 StandingPlace first_place(const HeadsetState& state);
-// From the middle of what is solid of a performer, or from half a metre inside of its box where that is nearer.
+// From the centre of what is solid of a performer, or from half a metre inside of its box where that is nearer.
 constexpr double kNearest_m = 2, kFarthest_m = 2.5;
 
 // Moves the user there. `head` is in the tracking space.

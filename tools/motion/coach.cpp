@@ -58,7 +58,7 @@ class CoachCamera {
     CoachCamera(const coach::Coach& coach, media::ImageSize size) : coach_(coach), size_(size) {
         const motion::Pose& pose = coach.trainer().frames[0];
         const auto place = [&pose](motion::Joint joint) { return motion::at(pose, joint).position; };
-        middle_ = place(motion::Joint::kPelvis);
+        centre_ = place(motion::Joint::kPelvis);
         // In front of the trainer, a little above.
         const glm::dvec3 across = place(motion::Joint::kLeftHip) - place(motion::Joint::kRightHip);
         const glm::dvec3 ahead = glm::cross(across, glm::dvec3(0, 1, 0));
@@ -69,8 +69,8 @@ class CoachCamera {
     // The camera of the next image, `step_s` after the last one, in the world.
     stage::Camera next(double step_s, const glm::dmat4& world_from_performer) {
         const double share = 1 - std::exp(-step_s / kFlight_s);
-        const glm::dvec3 pelvis = coach_.middle();
-        middle_ = glm::mix(middle_, pelvis, share);
+        const glm::dvec3 pelvis = coach_.centre();
+        centre_ = glm::mix(centre_, pelvis, share);
         if (const auto eye = coach_.best_eye()) {
             const glm::dvec3 wanted = glm::normalize(*eye - pelvis);
             // From behind, a flight goes around the body, not through it.
@@ -79,21 +79,21 @@ class CoachCamera {
             direction_ = glm::normalize(glm::mix(direction_, between, share));
         }
         const auto world = [&](const glm::dvec3& p) { return glm::dvec3(world_from_performer * glm::dvec4(p, 1)); };
-        const glm::dvec3 eye = world(middle_ + coach::kViewDistance * coach_.height() * direction_);
+        const glm::dvec3 eye = world(centre_ + coach::kViewDistance * coach_.height() * direction_);
         stage::Camera camera;
         camera.width = size_.width;
         camera.height = size_.height;
         camera.cx = 0.5 * size_.width;
         camera.cy = 0.5 * size_.height;
         camera.fx = camera.fy = 0.5 * size_.height / std::tan(0.5 * glm::radians(kVerticalAngle_deg));
-        camera.world_from_camera = glm::inverse(glm::lookAt(eye, world(middle_), glm::dvec3(0, 1, 0)));
+        camera.world_from_camera = glm::inverse(glm::lookAt(eye, world(centre_), glm::dvec3(0, 1, 0)));
         return camera;
     }
 
   private:
     const coach::Coach& coach_;
     media::ImageSize size_;
-    glm::dvec3 middle_{0}, direction_{0, 0, 1};
+    glm::dvec3 centre_{0}, direction_{0, 0, 1};
 };
 
 coach::CoachSettings coach_settings(const CoachOptions& options) {

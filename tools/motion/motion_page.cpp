@@ -116,15 +116,15 @@ ImageAxes best_image(const motion::Pose& trainer, const motion::Pose& trainee) {
     return {glm::cross(glm::dvec3(0, 1, 0), view), {0, 1, 0}};
 }
 
-std::string stick_figure(const motion::Pose& pose, const ImageAxes& axes, const glm::dvec3& middle, double scale,
+std::string stick_figure(const motion::Pose& pose, const ImageAxes& axes, const glm::dvec3& centre, double scale,
                          const char* colour, Limb wrong) {
     std::string lines;
     for (size_t j = 1; j < kJoints; ++j) {
         const motion::JointInfo& info = motion::info_of(motion::joint_at(j));
         const motion::JointSample& parent = motion::at(pose, info.parent);
         if (!(pose[j].confidence > 0 && parent.confidence > 0)) continue;
-        const auto x = [&](const glm::dvec3& p) { return 150 + scale * glm::dot(p - middle, axes.right); };
-        const auto y = [&](const glm::dvec3& p) { return 150 - scale * glm::dot(p - middle, axes.up); };
+        const auto x = [&](const glm::dvec3& p) { return 150 + scale * glm::dot(p - centre, axes.right); };
+        const auto y = [&](const glm::dvec3& p) { return 150 - scale * glm::dot(p - centre, axes.up); };
         lines += fmt::format(R"(<path d="M{:.1f},{:.1f}L{:.1f},{:.1f}" stroke="{}"/>)", x(parent.position),
                              y(parent.position), x(pose[j].position), y(pose[j].position),
                              info.limb == wrong ? kWrong : colour);
@@ -141,13 +141,13 @@ std::string moment(const motion::SkeletonClip& trainer, const motion::SkeletonCl
     const motion::Pose done =
         in_place_of(trainee.frames[frame], shown, comparison.yaw, trainee_height > 0 ? height / trainee_height : 1);
     const ImageAxes axes = best_image(shown, done);
-    const glm::dvec3 middle = motion::at(shown, motion::Joint::kPelvis).position;
+    const glm::dvec3 centre = motion::at(shown, motion::Joint::kPelvis).position;
     const double scale = 130 / (height > 0 ? 0.62 * height : 1);
     constexpr Limb kNone = static_cast<Limb>(kLimbs);
     return R"(<figure><svg width="300" height="300" viewBox="0 0 300 300" fill="none" stroke-width="4" )"
            R"(stroke-linecap="round"><g opacity=".55">)" +
-           stick_figure(shown, axes, middle, scale, "#8a8f98", kNone) + "</g>" +
-           stick_figure(done, axes, middle, scale, "#2a7de1", mistake.limb) +
+           stick_figure(shown, axes, centre, scale, "#8a8f98", kNone) + "</g>" +
+           stick_figure(done, axes, centre, scale, "#2a7de1", mistake.limb) +
            fmt::format("</svg><figcaption>{} (at {:.2f} s)</figcaption></figure>\n", html_text(text_of(mistake)),
                        comparison.trainer_frame[frame] / comparison.fps);
 }

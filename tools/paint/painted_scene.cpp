@@ -76,10 +76,10 @@ stage::Camera path_camera(const PaintOptions& options, media::ImageSize size) {
 
 // A camera on the orbit around a box, at an angle from its front.
 stage::Camera orbit_camera(const std::pair<glm::dvec3, glm::dvec3>& box, double degrees, media::ImageSize size) {
-    const glm::dvec3 middle = 0.5 * (box.first + box.second);
+    const glm::dvec3 centre = 0.5 * (box.first + box.second);
     stage::Camera camera = orbit_path(box, {{0, 0}, 25, 25}, size)[0].camera;
     const glm::dmat4 turned = glm::rotate(glm::dmat4(1), glm::radians(degrees), glm::dvec3(0, 1, 0));
-    camera.world_from_camera = glm::translate(glm::dmat4(1), middle) * turned * glm::translate(glm::dmat4(1), -middle) *
+    camera.world_from_camera = glm::translate(glm::dmat4(1), centre) * turned * glm::translate(glm::dmat4(1), -centre) *
                                camera.world_from_camera;
     return camera;
 }

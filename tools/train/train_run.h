@@ -121,7 +121,7 @@ inline double budget_share(const voctree::ClipSegment& segment, uint32_t learnt_
 TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, double share);
 
 // Where --refine asks for a search, finds what all segments correct, from the images of the segment nearest to the
-// clip's middle that shows the performer. False where Ctrl-C stopped it. Throws InputError where no segment will do,
+// clip's centre that shows the performer. False where Ctrl-C stopped it. Throws InputError where no segment will do,
 // and RuntimeFailure.
 bool correct_clip(const gpu::Device& device, TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan);
 

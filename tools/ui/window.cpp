@@ -40,8 +40,8 @@ bool is_on_a_monitor(const WindowGeometry& geometry) {
     for (int i = 0; i < count && geometry.at; ++i) {
         int x = 0, y = 0, width = 0, height = 0;
         glfwGetMonitorWorkarea(monitors[i], &x, &y, &width, &height);
-        const int middle = geometry.at->first + geometry.width / 2, top = geometry.at->second;
-        if (middle >= x && middle < x + width && top >= y && top < y + height) return true;
+        const int centre = geometry.at->first + geometry.width / 2, top = geometry.at->second;
+        if (centre >= x && centre < x + width && top >= y && top < y + height) return true;
     }
     return false;
 }

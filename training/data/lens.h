@@ -38,7 +38,7 @@ glm::dvec2 project(const Lens& lens, glm::dvec2 xy);
 std::optional<glm::dvec2> direction_at(const Lens& lens, glm::dvec2 pixel);
 
 // The smallest distance √(x² + y²) from the axis, up to `limit`, at which the lens folds over: directions (x, y, 1)
-// further out come back towards the middle of the image. Returns `limit` where the lens does not fold.
+// further out come back towards the centre of the image. Returns `limit` where the lens does not fold.
 double fold_radius(const Lens& lens, double limit);
 
 }  // namespace neuvv::training

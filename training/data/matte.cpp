@@ -163,9 +163,9 @@ media::Image median_background(const std::vector<media::Image>& frames) {
         std::vector<uint8_t> values(frames.size());
         for (size_t i = begin; i < end; ++i) {
             for (size_t f = 0; f < frames.size(); ++f) values[f] = frames[f].rgba[i];
-            const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-            std::nth_element(values.begin(), middle, values.end());
-            median.rgba[i] = i % 4 == 3 ? 255 : *middle;
+            const auto centre = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+            std::nth_element(values.begin(), centre, values.end());
+            median.rgba[i] = i % 4 == 3 ? 255 : *centre;
         }
     });
     return median;

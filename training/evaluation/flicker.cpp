@@ -13,9 +13,9 @@ bool is_white(const uint8_t* pixel) {
 
 double median(std::vector<double> values) {
     if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+    const auto centre = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), centre, values.end());
+    return *centre;
 }
 
 FlickerLevels medians(const std::vector<FlickerLevels>& levels) {

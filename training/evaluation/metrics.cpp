@@ -18,7 +18,7 @@ constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // (K L)², L = 1
 constexpr double kMaxPsnr = 99;
 constexpr double kErrorWhite = 0.25;
 
-// The window along a side of `size` pixels: 11 taps, or fewer where there are fewer pixels, around the middle.
+// The window along a side of `size` pixels: 11 taps, or fewer where there are fewer pixels, around the centre.
 std::vector<double> window_taps(uint32_t size) {
     std::vector<double> taps(std::min(kWindow, size));
     double sum = 0;

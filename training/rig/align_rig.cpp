@@ -74,7 +74,7 @@ std::vector<ComparedView> selected_views(const std::vector<ViewFrame>& views, co
     return compared;
 }
 
-// Of the segments that the images show, the one nearest to the clip's middle that has leaves.
+// Of the segments that the images show, the one nearest to the clip's centre that has leaves.
 Scene scene_of(const voctree::ClipIndex& clip, const Dataset& dataset) {
     const std::vector<std::vector<ViewFrame>> views = views_by_segment(clip, dataset);
     for (const size_t i : voctree::segments_from_middle(clip.segments.size())) {

@@ -33,7 +33,7 @@ struct RigAlignment {
 using AlignCallback = std::function<bool(double fraction)>;
 
 // Finds the motion of all cameras after which renders of the clip are nearest to the data set's images, by Gauss and
-// Newton's method, from up to 16 images of the segment nearest to the clip's middle that shows somebody. The cameras
+// Newton's method, from up to 16 images of the segment nearest to the clip's centre that shows somebody. The cameras
 // stay where they are where no motion is better. Returns what it has found so far where the callback stops it. Throws
 // RuntimeFailure, and InputError where no segment that the images show can be read and has leaves. Bound by tracing up
 // to 9 × 15 × 16 images.

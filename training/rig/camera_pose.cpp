@@ -39,7 +39,7 @@ double distance_to(const stage::Camera& camera, glm::dvec3 point) {
 
 PoseChange pose_steps(const stage::Camera& camera, glm::dvec3 centre, double pixels) {
     const double across = pixels / camera.fx;
-    // To turn about the axis, to move along it and to zoom moves what is far from the image's middle.
+    // To turn about the axis, to move along it and to zoom moves what is far from the image's centre.
     const double outwards = 4 * pixels / std::min(camera.width, camera.height);
     const double distance = distance_to(camera, centre);
     return {across, across, outwards, distance * across, distance * across, distance * outwards, outwards};

@@ -45,8 +45,8 @@ constexpr double kSceneExtent = 0.15;
 // for the scene where the motion of its image is measured.
 std::array<glm::dvec3, kScenePoints> scene_points(const stage::Camera& camera, glm::dvec3 centre);
 
-// Where a camera sees a point of the world, in pixels from the middle of its image, as if the lens were orthographic in
-// angles: near the middle that is the pinhole's position, and it exists in all directions.
+// Where a camera sees a point of the world, in pixels from the centre of its image, as if the lens were orthographic in
+// angles: near the centre that is the pinhole's position, and it exists in all directions.
 glm::dvec2 seen_at(const stage::Camera& camera, glm::dvec3 point);
 
 // By how many pixels the change moves the image of a scene around `centre`, as the root of the mean square.

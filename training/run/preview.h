@@ -10,7 +10,7 @@
 namespace neuvv::training {
 
 // A data set with a single view, the one that previews show: of the first view's camera, the view that is nearest to
-// the middle of the clip. Needs a view (assert).
+// the centre of the clip. Needs a view (assert).
 Dataset preview_dataset(const Dataset& dataset);
 
 // Renders view 0 of `dataset` from `field`, which nothing else may use at the same time, and atomically replaces `file`

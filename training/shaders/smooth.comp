@@ -2,7 +2,7 @@
 // those of the leaves at its six faces (total variation of α, as in Plenoxels; Fridovich-Keil and Yu et al. 2022).
 //   L_i = λ Σ_n √((α_i − α_n)² + ε²),  α = 1 − e^(−σ edge_i)
 // Neighbours count as constants, as each touched leaf has a term of its own. An empty neighbour has α_n = 0; of finer
-// neighbours, the leaf at the middle of the face counts. Adds ∂L_i/∂σ_i to the slot's gradient. One thread per touched
+// neighbours, the leaf at the centre of the face counts. Adds ∂L_i/∂σ_i to the slot's gradient. One thread per touched
 // slot, dispatched indirectly. Bound by the dependent fetches of six descents into the tree.
 #version 460
 #extension GL_GOOGLE_include_directive : require

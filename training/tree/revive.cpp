@@ -25,13 +25,13 @@ std::vector<uint32_t> live_frames(const voctree::VOctree& tree, size_t words) {
     return live;
 }
 
-// The leaves beyond the middles of the six faces; UINT32_MAX where there is none.
+// The leaves beyond the centres of the six faces; UINT32_MAX where there is none.
 std::array<uint32_t, 6> neighbours(const voctree::VOctree& tree, const voctree::LeafPosition& position) {
     std::array<uint32_t, 6> found{};
     const double edge = std::exp2(-static_cast<double>(position.depth));
-    const glm::dvec3 middle = (glm::dvec3(position.x, position.y, position.z) + 0.5) * edge;
+    const glm::dvec3 centre = (glm::dvec3(position.x, position.y, position.z) + 0.5) * edge;
     for (int face = 0; face < 6; ++face) {
-        glm::dvec3 beyond = middle;
+        glm::dvec3 beyond = centre;
         beyond[face / 2] += (face % 2 ? 0.5 : -0.5) * edge * (1 + 1e-6);
         found[static_cast<size_t>(face)] = voctree::find_leaf(tree, beyond);
     }

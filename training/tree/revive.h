@@ -10,7 +10,7 @@ namespace neuvv::training {
 // surface then goes on around it. The leaf may also be one that no ray used, or that the hull forbids: where rays see
 // it, training makes it denser or empty again; where it is hidden, it stays until the tree changes again.
 //
-// A neighbour is the leaf at the middle of a face; beside finer leaves it is the one towards +x, +y, +z. Densities of
+// A neighbour is the leaf at the centre of a face; beside finer leaves it is the one towards +x, +y, +z. Densities of
 // neighbours are those before the call. Cells must be cubes, as those of training are. Trees whose frames share bases
 // are not changed. Returns the number of pairs of leaf and frame that were revived.
 size_t revive_holes(voctree::VOctree& tree);

@@ -63,8 +63,8 @@ render::Fovea fovea_of(const stage::Camera& eye, double share, double beside,
         const glm::dvec3 at(glm::inverse(eye.world_from_camera) * glm::dvec4(*looks_at_world, 1));
         if (at.z < 0) pixel += glm::dvec2(eye.fx * at.x, -eye.fy * at.y) / -at.z;
     }
-    const glm::dvec2 middle = glm::clamp(pixel / glm::dvec2(eye.width, eye.height), 0.5 * share, 1 - 0.5 * share);
-    return {middle - 0.5 * share, middle + 0.5 * share, beside};
+    const glm::dvec2 centre = glm::clamp(pixel / glm::dvec2(eye.width, eye.height), 0.5 * share, 1 - 0.5 * share);
+    return {centre - 0.5 * share, centre + 0.5 * share, beside};
 }
 
 }  // namespace neuvv::xr

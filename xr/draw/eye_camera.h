@@ -12,7 +12,7 @@
 namespace neuvv::xr {
 
 // The camera of an eye, for an image of `size` pixels. Its focal lengths and its principal point follow from the four
-// angles of the eye's field of view: pixels need not be square, and the axis seldom lies in the middle of the image.
+// angles of the eye's field of view: pixels need not be square, and the axis seldom lies in the centre of the image.
 // The angles must span an image (spans_image).
 stage::Camera eye_camera(const EyeView& eye, const Pose& world_from_tracking, VkExtent2D size);
 

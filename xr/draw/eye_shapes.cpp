@@ -100,21 +100,21 @@ void EyeShapes::box_edges(const glm::dmat4& world_from_box, glm::dvec3 low, glm:
 }
 
 void EyeShapes::solid_box(const glm::dmat4& world_from_box, glm::dvec3 low, glm::dvec3 high, glm::vec4 colour) {
-    const glm::dvec3 middle = world_from_box * glm::dvec4(0.5 * (low + high), 1);
+    const glm::dvec3 centre = world_from_box * glm::dvec4(0.5 * (low + high), 1);
     for (int axis = 0; axis < 3; ++axis)
         for (const int side : {0, 1}) {
             const int u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3, first = side << axis;
             glm::dvec3 c[4];
             for (const int i : {0, 1, 2, 3})
                 c[i] = corner_of(world_from_box, low, high, first | (i & 1 ? u : 0) | (i & 2 ? v : 0));
-            const glm::dvec3 out = 0.5 * (c[0] + c[3]) - middle;
+            const glm::dvec3 out = 0.5 * (c[0] + c[3]) - centre;
             const glm::vec4 face_colour = shaded(colour, shade_of(out / std::max(glm::length(out), 1e-9)));
             triangle(c[0], c[1], c[3], face_colour);
             triangle(c[0], c[3], c[2], face_colour);
         }
 }
 
-void EyeShapes::ball(glm::dvec3 middle, double radius_m, glm::vec4 colour) {
+void EyeShapes::ball(glm::dvec3 centre, double radius_m, glm::vec4 colour) {
     constexpr int kAround = 16, kDown = 8;
     const auto at = [&](int i, int j) {
         const double theta = glm::pi<double>() * j / kDown, phi = glm::two_pi<double>() * i / kAround;
@@ -124,30 +124,30 @@ void EyeShapes::ball(glm::dvec3 middle, double radius_m, glm::vec4 colour) {
         for (int i = 0; i < kAround; ++i) {
             const glm::dvec3 a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
             const glm::vec4 face_colour = shaded(colour, shade_of(glm::normalize(a + b + c + d)));
-            const auto out = [&](glm::dvec3 normal) { return middle + radius_m * normal; };
+            const auto out = [&](glm::dvec3 normal) { return centre + radius_m * normal; };
             if (j > 0) triangle(out(a), out(b), out(c), face_colour);
             if (j < kDown - 1) triangle(out(a), out(c), out(d), face_colour);
         }
 }
 
-void EyeShapes::ellipse(glm::dvec3 middle, glm::dvec3 half_x, glm::dvec3 half_z, glm::vec4 middle_colour,
+void EyeShapes::ellipse(glm::dvec3 centre, glm::dvec3 half_x, glm::dvec3 half_z, glm::vec4 centre_colour,
                         glm::vec4 rim_colour) {
     constexpr int kAround = 32;
-    const float alpha = std::min(middle_colour.a, rim_colour.a);
+    const float alpha = std::min(centre_colour.a, rim_colour.a);
     const auto at = [&](int i) {
         const double phi = glm::two_pi<double>() * i / kAround;
-        return ShapeVertex{glm::vec3(middle + std::cos(phi) * half_x + std::sin(phi) * half_z),
+        return ShapeVertex{glm::vec3(centre + std::cos(phi) * half_x + std::sin(phi) * half_z),
                            premultiplied(rim_colour)};
     };
     for (int i = 0; i < kAround; ++i)
-        add(std::array<ShapeVertex, 3>{{{glm::vec3(middle), premultiplied(middle_colour)}, at(i), at(i + 1)}}, alpha);
+        add(std::array<ShapeVertex, 3>{{{glm::vec3(centre), premultiplied(centre_colour)}, at(i), at(i + 1)}}, alpha);
 }
 
-void EyeShapes::ring(glm::dvec3 middle, double radius_m, double width_m, glm::vec4 colour) {
+void EyeShapes::ring(glm::dvec3 centre, double radius_m, double width_m, glm::vec4 colour) {
     constexpr int kAround = 32;
     const auto at = [&](int i, double radius) {
         const double phi = glm::two_pi<double>() * i / kAround;
-        return middle + radius * glm::dvec3(std::cos(phi), 0, std::sin(phi));
+        return centre + radius * glm::dvec3(std::cos(phi), 0, std::sin(phi));
     };
     for (int i = 0; i < kAround; ++i) {
         const double outer = radius_m + width_m;

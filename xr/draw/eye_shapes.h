@@ -47,12 +47,12 @@ class EyeShapes {
     void box_edges(const glm::dmat4& world_from_box, glm::dvec3 low, glm::dvec3 high, double width_m, glm::vec4 colour);
     // The faces of a box, shaded a little by their normals.
     void solid_box(const glm::dmat4& world_from_box, glm::dvec3 low, glm::dvec3 high, glm::vec4 colour);
-    void ball(glm::dvec3 middle, double radius_m, glm::vec4 colour);
-    // A horizontal ellipse with these half axes (world), whose colour is interpolated from its middle to its rim.
-    void ellipse(glm::dvec3 middle, glm::dvec3 half_x, glm::dvec3 half_z, glm::vec4 middle_colour,
+    void ball(glm::dvec3 centre, double radius_m, glm::vec4 colour);
+    // A horizontal ellipse with these half axes (world), whose colour is interpolated from its centre to its rim.
+    void ellipse(glm::dvec3 centre, glm::dvec3 half_x, glm::dvec3 half_z, glm::vec4 centre_colour,
                  glm::vec4 rim_colour);
     // A horizontal ring, from `radius_m` to `radius_m` + `width_m`.
-    void ring(glm::dvec3 middle, double radius_m, double width_m, glm::vec4 colour);
+    void ring(glm::dvec3 centre, double radius_m, double width_m, glm::vec4 colour);
     // A rectangle (X to the right, Y up) where nothing of the stage is seen: the compositor's layer beneath is.
     void hole(const Pose& world_from_rectangle, glm::dvec2 size_m);
 

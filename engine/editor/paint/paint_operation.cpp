@@ -104,7 +104,7 @@ std::vector<SelectedLeaf> leaves_for(const edit::Canvas& canvas, const voctree::
     std::vector<SelectedLeaf> selected;
     if (operation.kind == PaintOperation::Kind::kRestore) {
         for (const voctree::LeafEdit& edit : before.edits)
-            if ((selected.empty() || selected.back().leaf != edit.leaf) && region(canvas.middles[edit.leaf]))
+            if ((selected.empty() || selected.back().leaf != edit.leaf) && region(canvas.centres[edit.leaf]))
                 selected.push_back({edit.leaf, 1});
         return selected;
     }

@@ -59,7 +59,7 @@ void PaintSession::add_touches(PaintSurface& surface, const stage::Camera& camer
     std::vector<SelectedLeaf> covered;
     for (const voctree::LeafEdit& edit :
          edit::stroke(canvas, surface.sigma(), {area_.radius_m, area_.hardness}, touches))
-        if (!area_.within || area_.within(canvas.middles[edit.leaf])) covered.push_back({edit.leaf, edit.alpha});
+        if (!area_.within || area_.within(canvas.centres[edit.leaf])) covered.push_back({edit.leaf, edit.alpha});
     selected_ = united(selected_, covered);
 }
 
@@ -77,7 +77,7 @@ bool PaintSession::add_projection(PaintSurface& surface) {
     std::vector<voctree::LeafEdit> edits =
         edit::project(surface.picker(), canvas, surface.sigma(), area_.image, area_.image_camera);
     if (area_.within)
-        std::erase_if(edits, [&](const voctree::LeafEdit& edit) { return !area_.within(canvas.middles[edit.leaf]); });
+        std::erase_if(edits, [&](const voctree::LeafEdit& edit) { return !area_.within(canvas.centres[edit.leaf]); });
     for (voctree::LeafEdit& edit : edits) {
         edit.alpha *= operation_.opacity;
         edit.first = edit.last = subject_.frame;

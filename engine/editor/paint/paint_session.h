@@ -16,7 +16,7 @@ namespace neuvv::editor {
 
 // Where the operation applies, in the performer's space in metres.
 struct PaintArea {
-    edit::Region within;                      // only leaves with their middles in this region are painted; null: all
+    edit::Region within;                      // only leaves with their centres in this region are painted; null: all
     float radius_m = 0.05f, hardness = 0.7f;  // of the brush of add_touches
     // For a projection: the image, and a camera of the image's size. With `every_frame` the image is projected onto
     // each whole frame of the operation, as the performer is then; without, onto the subject's frame alone.
@@ -32,7 +32,7 @@ class PaintSession {
                  PaintArea area = {});
 
     // Selects all leaves of a region that the operation applies to. Returns whether any of them was not selected
-    // before. The cost is reading the middles of all leaves, 12 bytes each.
+    // before. The cost is reading the centres of all leaves, 12 bytes each.
     bool add_region(const edit::Region& region);
     // Selects the leaves that the brush covers along a line through these pixels of the camera's image. The line goes
     // on from the last call where the camera is the same.

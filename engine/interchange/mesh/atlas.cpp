@@ -206,8 +206,8 @@ float pack_at_best(std::vector<Chart>& charts, uint32_t side_px, const std::func
     float fits = 0, fails = static_cast<float>(2 * side / std::sqrt(std::max(area, 1e-20)));
     for (int i = 0; i < kScaleSteps; ++i) {
         between();
-        const float middle = 0.5f * (fits + fails);
-        (pack(charts, side, middle) ? fits : fails) = middle;
+        const float centre = 0.5f * (fits + fails);
+        (pack(charts, side, centre) ? fits : fails) = centre;
     }
     pack(charts, side, fits);
     return fits;

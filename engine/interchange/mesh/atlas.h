@@ -23,7 +23,7 @@ constexpr int kAtlasGap_px = 3;
 std::optional<MappedMesh> mapped(
     const TriangleMesh& mesh, uint32_t side_px, const std::function<void()>& between = [] {});
 
-// Of each texel of a square of `side_px`: the triangle whose point is nearest to its middle, among those at most 1.5
+// Of each texel of a square of `side_px`: the triangle whose point is nearest to its centre, among those at most 1.5
 // texels away; and the barycentric coordinates of that point for the triangle's first two corners.
 struct Texel {
     uint32_t triangle = UINT32_MAX;  // none

@@ -93,15 +93,15 @@ Simplifier::Simplifier(const TriangleMesh& mesh)
 
 void Simplifier::push(uint32_t a, uint32_t b) {
     const Quadric sum = quadrics_[a] + quadrics_[b];
-    const glm::dvec3 middle = 0.5 * (positions_[a] + positions_[b]);
+    const glm::dvec3 centre = 0.5 * (positions_[a] + positions_[b]);
     const double edge = glm::distance(positions_[a], positions_[b]);
-    std::array<glm::dvec3, 4> candidates = {middle, positions_[a], positions_[b], middle};
+    std::array<glm::dvec3, 4> candidates = {centre, positions_[a], positions_[b], centre};
     const double trace = sum.area();
     if (std::abs(glm::determinant(sum.a)) > kLeastDeterminant * trace * trace * trace) {
         const glm::dvec3 best = glm::inverse(sum.a) * -sum.b;
-        if (glm::distance(best, middle) <= edge) candidates[3] = best;
+        if (glm::distance(best, centre) <= edge) candidates[3] = best;
     }
-    glm::dvec3 position = middle;
+    glm::dvec3 position = centre;
     double least = INFINITY;
     for (const glm::dvec3& candidate : candidates) {
         const double cost = sum.at(candidate) + kEvenness * trace *

@@ -23,7 +23,7 @@ constexpr glm::ivec3 corner(uint32_t i) {
     return {static_cast<int>(i & 1), static_cast<int>(i >> 1 & 1), static_cast<int>(i >> 2 & 1)};
 }
 
-// Whether the boundary of the cells of a block, one bit each, is no manifold at its middle: cells of a face that meet
+// Whether the boundary of the cells of a block, one bit each, is no manifold at its centre: cells of a face that meet
 // in an edge alone, or two opposite corners of the block that are alone.
 constexpr bool is_critical(uint32_t block) {
     for (uint32_t axis = 0; axis < 3; ++axis)

@@ -20,11 +20,11 @@ struct Net {
     std::vector<std::array<uint32_t, 4>> quads;  // counter-clockwise from outside
 };
 
-glm::vec3 middle_of(const Solid& solid, const glm::ivec3& cell) {
+glm::vec3 centre_of(const Solid& solid, const glm::ivec3& cell) {
     return solid.origin_m + (glm::vec3(cell) + 0.5f) * solid.cell_m;
 }
 
-// The mean of where the edges between the middles of a block's cells pass the level; false where none does.
+// The mean of where the edges between the centres of a block's cells pass the level; false where none does.
 bool place(const Solid& solid, const glm::ivec3& block, glm::vec3& position) {
     int inside = 0;
     for (int i = 0; i < 8; ++i)
@@ -42,7 +42,7 @@ bool place(const Solid& solid, const glm::ivec3& block, glm::vec3& position) {
             const size_t a = solid.index_of(from), b = solid.index_of(to);
             if (solid.inside(a) == solid.inside(b)) continue;
             const float part = (solid.level - solid.opacity[a]) / (solid.opacity[b] - solid.opacity[a]);
-            sum += glm::mix(middle_of(solid, from), middle_of(solid, to), std::clamp(part, 0.0f, 1.0f));
+            sum += glm::mix(centre_of(solid, from), centre_of(solid, to), std::clamp(part, 0.0f, 1.0f));
             ++count;
         }
     position = sum / static_cast<float>(count);
@@ -87,7 +87,7 @@ void add_quads(const Solid& solid, Net& net) {
             }
 }
 
-// Moves each vertex by a part of the way to the mean of its neighbours, or away from it, among the middles of its
+// Moves each vertex by a part of the way to the mean of its neighbours, or away from it, among the centres of its
 // cells.
 void smooth(const Solid& solid, float part, Net& net) {
     std::vector<glm::vec3> sums(net.blocks.size(), glm::vec3(0));
@@ -100,7 +100,7 @@ void smooth(const Solid& solid, float part, Net& net) {
             }
     for (size_t i = 0; i < sums.size(); ++i)
         net.mesh.positions[i] = glm::clamp(glm::mix(net.mesh.positions[i], sums[i] / counts[i], part),
-                                           middle_of(solid, net.blocks[i]), middle_of(solid, net.blocks[i] + 1));
+                                           centre_of(solid, net.blocks[i]), centre_of(solid, net.blocks[i] + 1));
 }
 
 }  // namespace

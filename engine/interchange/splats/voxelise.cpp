@@ -260,15 +260,15 @@ std::string farthest_place(const Splats& splats, const SplatBox& box) {
             in.push_back(&splat);
     }
     if (in.empty()) return "";
-    glm::vec3 middle;
+    glm::vec3 centre;
     for (int i = 0; i < 3; ++i) {
         const auto half = in.begin() + static_cast<ptrdiff_t>(in.size() / 2);
         std::nth_element(in.begin(), half, in.end(),
                          [i](const Splat* a, const Splat* b) { return a->centre[i] < b->centre[i]; });
-        middle[i] = (*half)->centre[i];
+        centre[i] = (*half)->centre[i];
     }
     return place_of(**std::max_element(in.begin(), in.end(), [&](const Splat* a, const Splat* b) {
-        return glm::distance(a->centre, middle) < glm::distance(b->centre, middle);
+        return glm::distance(a->centre, centre) < glm::distance(b->centre, centre);
     }));
 }
 

@@ -167,7 +167,7 @@ class Comparer {
             const double shown = facing(trainer_at(i)), done = facing(trainee_.frames[i]);
             if (!std::isfinite(shown + done)) continue;
             own += std::pow(std::remainder(done - shown, 2 * std::numbers::pi), 2);
-            mirrored += std::pow(std::remainder(done + shown - 2 * middle_, 2 * std::numbers::pi), 2);
+            mirrored += std::pow(std::remainder(done + shown - 2 * centre_, 2 * std::numbers::pi), 2);
         }
         return mirrored < kMirrorGain * kMirrorGain * own;
     }
@@ -189,7 +189,7 @@ class Comparer {
             std::vector<double> facings;
             for (const Directions& directions : trainer_.frames)
                 if (const double angle = facing(directions); std::isfinite(angle)) facings.push_back(angle);
-            if (!facings.empty()) middle_ = median_angle(std::move(facings));
+            if (!facings.empty()) centre_ = median_angle(std::move(facings));
         }
         for (const Span& span : wrong_spans(limb)) {
             Mistake mistake{limb, MistakeKind::kOff, median_error(limb, span), 0, 0};
@@ -227,7 +227,7 @@ class Comparer {
 
     const CompareOptions& options_;
     Motion trainer_, trainee_;
-    double middle_ = 0;  // where the trainer faces on the whole, as facing() says
+    double centre_ = 0;  // where the trainer faces on the whole, as facing() says
     Comparison result_;
 };
 

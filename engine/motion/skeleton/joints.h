@@ -11,8 +11,8 @@ namespace neuvv::motion {
 // Parents stand before their children. "Left" is the performer's own left. The set is that of OpenPose's BODY_25
 // without eyes and ears: what a detector sees of a body, feet included.
 enum class Joint : uint8_t {
-    kPelvis,  // the middle of both hips
-    kNeck,    // the middle of both shoulders
+    kPelvis,  // the centre of both hips
+    kNeck,    // the centre of both shoulders
     kNose,
     kRightShoulder,
     kRightElbow,

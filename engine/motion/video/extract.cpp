@@ -51,8 +51,8 @@ class Extractor {
     // The median size of the person in the images, at the point that the cameras look at. Only first tolerances are
     // made of it.
     double guessed_height() const {
-        const std::optional<glm::dvec3> middle = point_looked_at(seen_.cameras);
-        if (!middle) return kFirstHeight_m;
+        const std::optional<glm::dvec3> centre = point_looked_at(seen_.cameras);
+        if (!centre) return kFirstHeight_m;
         std::vector<double> heights;
         for (size_t f = 0; f < seen_.frames; ++f)
             for (size_t c = 0; c < seen_.cameras.size(); ++c) {
@@ -62,7 +62,7 @@ class Extractor {
                     low = std::min(low, point.pixel.y);
                     high = std::max(high, point.pixel.y);
                 }
-                if (high > low) heights.push_back((high - low) * metres_per_pixel(seen_.cameras[c], *middle));
+                if (high > low) heights.push_back((high - low) * metres_per_pixel(seen_.cameras[c], *centre));
             }
         const double height = median(heights);
         return height > 0 ? height : kFirstHeight_m;

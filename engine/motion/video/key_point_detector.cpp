@@ -61,11 +61,11 @@ size_t greatest(const float* values, size_t count) {
     return best;
 }
 
-// Where the peak around value `at` of `count` is that are `stride` apart; the middle of the first one is ½.
+// Where the peak around value `at` of `count` is that are `stride` apart; the centre of the first one is ½.
 double refined(const float* values, size_t at, size_t count, size_t stride) {
-    const double middle = static_cast<double>(at) + 0.5;
-    if (at == 0 || at + 1 == count) return middle;
-    return middle + peak_offset(values[(at - 1) * stride], values[at * stride], values[(at + 1) * stride]);
+    const double centre = static_cast<double>(at) + 0.5;
+    if (at == 0 || at + 1 == count) return centre;
+    return centre + peak_offset(values[(at - 1) * stride], values[at * stride], values[(at + 1) * stride]);
 }
 
 struct HeatMaps {

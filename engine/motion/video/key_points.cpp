@@ -118,32 +118,32 @@ KeyPoint joint_point(const std::vector<KeyPoint>& points, std::array<int, 2> sou
     return {0.5 * (a.pixel + b.pixel), std::min(a.confidence, b.confidence)};
 }
 
-// How far a key point is from the middle of two others, as a share of the body's size in the image; nothing where one
+// How far a key point is from the centre of two others, as a share of the body's size in the image; nothing where one
 // of them was not seen.
-std::optional<double> off_middle(const std::vector<KeyPoint>& points, size_t middle, size_t one, size_t other) {
+std::optional<double> off_centre(const std::vector<KeyPoint>& points, size_t centre, size_t one, size_t other) {
     glm::dvec2 low(kMaxPixel), high(-kMaxPixel);
     for (const KeyPoint& point : points) {
         if (!(point.confidence > 0)) continue;
         low = glm::min(low, point.pixel);
         high = glm::max(high, point.pixel);
     }
-    for (const size_t i : {middle, one, other})
+    for (const size_t i : {centre, one, other})
         if (!(points[i].confidence > 0)) return std::nullopt;
     const double size = glm::distance(low, high);
     if (!(size > 0)) return std::nullopt;
-    return glm::distance(points[middle].pixel, 0.5 * (points[one].pixel + points[other].pixel)) / size;
+    return glm::distance(points[centre].pixel, 0.5 * (points[one].pixel + points[other].pixel)) / size;
 }
 
-// BODY_25 and BODY_25B have 25 points each. In the former the pelvis is the middle of the hips, which in the latter is
+// BODY_25 and BODY_25B have 25 points each. In the former the pelvis is the centre of the hips, which in the latter is
 // an elbow between a wrist and a hip; there, the nose is between eyes and ears, and the neck between the shoulders.
 bool is_body_25b(std::span<const ImagePeople> images) {
     constexpr double kApart = 0.1, kTogether = 0.08;
     std::vector<double> pelvis_off, head_off;
     for (const ImagePeople& image : images) {
         if (image.points.size() != body_25b().points) continue;
-        if (const auto off = off_middle(image.points, 8, 9, 12)) pelvis_off.push_back(*off);
+        if (const auto off = off_centre(image.points, 8, 9, 12)) pelvis_off.push_back(*off);
         const auto most = std::max(
-            {off_middle(image.points, 0, 1, 2), off_middle(image.points, 0, 3, 4), off_middle(image.points, 17, 5, 6)});
+            {off_centre(image.points, 0, 1, 2), off_centre(image.points, 0, 3, 4), off_centre(image.points, 17, 5, 6)});
         if (most) head_off.push_back(*most);
     }
     return median(pelvis_off) > kApart && !head_off.empty() && median(head_off) < kTogether;

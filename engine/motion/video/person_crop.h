@@ -29,7 +29,7 @@ struct PersonCrop {
     glm::dvec2 image_pixel(const glm::dvec2& crop_pixel) const { return corner + scale * crop_pixel; }
 };
 
-// The box with a quarter more around it (as detectors are trained), in the middle of width × height pixels. Its shape
+// The box with a quarter more around it (as detectors are trained), in the centre of width × height pixels. Its shape
 // is kept; transparent pixels are grey, and so is what lies beyond the image, unless its border has one colour.
 PersonCrop crop_person(const media::Image& image, const PixelBox& box, uint32_t width, uint32_t height);
 

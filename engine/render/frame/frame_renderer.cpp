@@ -188,7 +188,7 @@ std::vector<std::vector<uint32_t>> FrameRenderer::instance_order(std::span<const
     glm::dvec3 eye(0);
     for (const glm::dvec3& one : eyes) eye += one / static_cast<double>(eyes.size());
     std::vector<std::pair<double, uint32_t>> by_distance;
-    for (uint32_t i = 0; i < boxes.size(); ++i) by_distance.emplace_back(glm::distance(eye, boxes[i].middle), i);
+    for (uint32_t i = 0; i < boxes.size(); ++i) by_distance.emplace_back(glm::distance(eye, boxes[i].centre), i);
     std::sort(by_distance.begin(), by_distance.end());
     std::vector<std::vector<uint32_t>> order;
     for (const auto& [distance, i] : by_distance) order.push_back({i});

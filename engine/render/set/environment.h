@@ -16,7 +16,7 @@ struct Environment {
     std::vector<std::vector<uint16_t>> levels;
 };
 
-// `image` is equirectangular, sRGB and opaque; its middle is in the direction −Z and its top is +Y. An image more than
+// `image` is equirectangular, sRGB and opaque; its centre is in the direction −Z and its top is +Y. An image more than
 // 2048 pixels wide is scaled down; one of 2048 pixels takes about a second.
 Environment make_environment(const media::Image& image);
 

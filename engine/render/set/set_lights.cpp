@@ -89,9 +89,9 @@ stage::Camera performer_shadow_camera(const SetLight& light, const WorldBox& per
     if (light.kind == SetLightKind::kSpot) return shadow_camera(light, side);
     constexpr double kFar = 100;  // radii of the bounding sphere of the box
     const double radius = std::max(0.5 * glm::distance(performers.first, performers.second), 1e-3);
-    const glm::dvec3 middle = 0.5 * (performers.first + performers.second);
+    const glm::dvec3 centre = 0.5 * (performers.first + performers.second);
     stage::Camera camera;
-    camera.world_from_camera = looking_along(light.direction, middle - kFar * radius * glm::normalize(light.direction));
+    camera.world_from_camera = looking_along(light.direction, centre - kFar * radius * glm::normalize(light.direction));
     camera.width = camera.height = side;
     camera.cx = camera.cy = side / 2.0;
     camera.fx = camera.fy = camera.cx * std::sqrt(kFar * kFar - 1);  // the sphere touches the image's sides

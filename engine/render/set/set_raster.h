@@ -80,7 +80,7 @@ class SetRaster {
     // Draws opaque and masked pieces, and the environment behind them where it is shown → colour, depth. One camera per
     // view, all of the same size.
     void record_solid(gpu::Commands& commands, std::span<const stage::Camera> cameras);
-    // Draws blended pieces, far to near by the middles of their primitives' boxes. What is behind volume_depth is
+    // Draws blended pieces, far to near by the centres of their primitives' boxes. What is behind volume_depth is
     // blended over `colour`, what is before it goes → front. To be recorded after record_solid with the same cameras.
     void record_transparent(gpu::Commands& commands, std::span<const stage::Camera> cameras);
 

@@ -196,7 +196,7 @@ void SetRaster::draw_hidden(gpu::Commands& commands, uint32_t view) const {
     vkCmdDraw(to, count, 1, first, 0);
 }
 
-// Sorts by the middles of the primitives' boxes, and by the file's order at equal distances.
+// Sorts by the centres of the primitives' boxes, and by the file's order at equal distances.
 void SetRaster::sort_far_to_near(const glm::vec3& eye) {
     order_.clear();
     for (uint32_t i = 0; i < geometry_.draws.size(); ++i) {

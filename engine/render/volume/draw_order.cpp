@@ -17,16 +17,16 @@ Order order_along(const TransformedBox& a, const TransformedBox& b, std::span<co
         return std::abs(glm::dot(axis, box.half[0])) + std::abs(glm::dot(axis, box.half[1])) +
                std::abs(glm::dot(axis, box.half[2]));
     };
-    double from_a = glm::dot(axis, b.middle - a.middle);
+    double from_a = glm::dot(axis, b.centre - a.centre);
     if (from_a < 0) {
         axis = -axis;
         from_a = -from_a;
     }
-    const double end_of_a = half_extent(a), begin_of_b = from_a - half_extent(b);  // from a's middle
+    const double end_of_a = half_extent(a), begin_of_b = from_a - half_extent(b);  // from a's centre
     if (end_of_a > begin_of_b) return Order::kNone;
     bool all_before_b = true, all_behind_a = true;
     for (const glm::dvec3& eye : eyes) {
-        const double at = glm::dot(axis, eye - a.middle);
+        const double at = glm::dot(axis, eye - a.centre);
         all_before_b &= at <= begin_of_b;
         all_behind_a &= at >= end_of_a;
     }
@@ -42,7 +42,7 @@ Order order_of(const TransformedBox& a, const TransformedBox& b, std::span<const
         return order != Order::kNone;
     };
     Order order = Order::kNone;
-    if (known(b.middle - a.middle, order)) return order;  // true for most pairs
+    if (known(b.centre - a.centre, order)) return order;  // true for most pairs
     for (const TransformedBox* box : {&a, &b})
         for (int i = 0; i < 3; ++i)
             if (known(glm::cross(box->half[i], box->half[(i + 1) % 3]), order)) return order;
@@ -93,9 +93,9 @@ struct Components {
 }  // namespace
 
 TransformedBox transformed_box(glm::dvec3 box_min, glm::dvec3 box_max, const glm::dmat4& world_from_box) {
-    const glm::dvec3 middle = 0.5 * (box_min + box_max), half = 0.5 * (box_max - box_min);
+    const glm::dvec3 centre = 0.5 * (box_min + box_max), half = 0.5 * (box_max - box_min);
     const glm::dmat3 turn(world_from_box);
-    return {glm::dvec3(world_from_box * glm::dvec4(middle, 1)),
+    return {glm::dvec3(world_from_box * glm::dvec4(centre, 1)),
             glm::dmat3(turn[0] * half.x, turn[1] * half.y, turn[2] * half.z)};
 }
 
@@ -113,7 +113,7 @@ std::vector<std::vector<uint32_t>> draw_order(std::span<const TransformedBox> bo
     std::vector<std::pair<double, uint32_t>> distances;
     for (uint32_t i = 0; i < count; ++i) {
         double nearest = std::numeric_limits<double>::infinity();
-        for (const glm::dvec3& eye : eyes) nearest = std::min(nearest, glm::distance(eye, boxes[i].middle));
+        for (const glm::dvec3& eye : eyes) nearest = std::min(nearest, glm::distance(eye, boxes[i].centre));
         distances.emplace_back(nearest, i);
         for (uint32_t j = i + 1; j < count; ++j) {
             const Order order = order_of(boxes[i], boxes[j], eyes);

@@ -10,7 +10,7 @@ namespace neuvv::render {
 
 // A box under an affine transform, in world space, metres.
 struct TransformedBox {
-    glm::dvec3 middle{0};
+    glm::dvec3 centre{0};
     glm::dmat3 half{0};  // each column is half an edge
 };
 TransformedBox transformed_box(glm::dvec3 box_min, glm::dvec3 box_max, const glm::dmat4& world_from_box);

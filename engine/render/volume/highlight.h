@@ -17,7 +17,7 @@ struct Bone {
     bool operator==(const Bone&) const = default;
 };
 
-// A leaf belongs to the bone whose surface is nearest to its middle; of several to the first.
+// A leaf belongs to the bone whose surface is nearest to its centre; of several to the first.
 struct Highlight {
     std::vector<Bone> bones;   // at the instance's time; at most kMaxBones
     std::vector<float> tints;  // 0..1 of each bone: how red it is

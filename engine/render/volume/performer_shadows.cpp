@@ -19,7 +19,7 @@ std::optional<WorldBox> box_of_casting(const FieldLevels& levels, std::span<cons
         const TransformedBox placed =
             transformed_box(field.leaves_min, field.leaves_max, instance.world_from_performer);
         const glm::dvec3 half = glm::abs(placed.half[0]) + glm::abs(placed.half[1]) + glm::abs(placed.half[2]);
-        const glm::dvec3 low = placed.middle - half, high = placed.middle + half;
+        const glm::dvec3 low = placed.centre - half, high = placed.centre + half;
         box = box ? WorldBox{glm::min(box->first, low), glm::max(box->second, high)} : WorldBox{low, high};
     }
     return box;

@@ -28,7 +28,7 @@ Heard::Heard(const media::Sound& sound, Timeline timeline, double begin_s, doubl
     before_ = grain_at(0);
 }
 
-// The grain whose middle is so long after the beginning.
+// The grain whose centre is so long after the beginning.
 Heard::Grain Heard::grain_at(double heard_s) const {
     const auto place_s = [&](double t) { return clip_position(timeline_, begin_s_ + speed_ * t) / timeline_.fps; };
     const double here = place_s(heard_s), next = place_s(heard_s + kStep_s);

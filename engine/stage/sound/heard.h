@@ -11,7 +11,7 @@ constexpr double kLeastHeardSpeed = 1e-3;  // of the recording's; below, the cli
 constexpr double kMostHeardSpeed = 100;    // above, the clip jumps
 
 // The sound begins with the clip. It is cut into grains of two hops that fade into each other, each taken where the
-// clip is at the grain's middle (overlap-add; Verhelst and Roelands 1993). Where the clip plays as it was recorded,
+// clip is at the grain's centre (overlap-add; Verhelst and Roelands 1993). Where the clip plays as it was recorded,
 // grains follow each other, and what is heard is the sound as it is, sample by sample. Where it is faster or slower, a
 // grain is moved by up to half a hop to where it goes on like the one before.
 class Heard {

@@ -100,13 +100,13 @@ std::pair<glm::dvec3, glm::dvec3> SolidLeaves::box_at(double frame) const {
         }
         std::tie(solid_low[axis], solid_high[axis]) = profile.solid(total);
     }
-    // The leaves whose middles are in all three ranges.
+    // The leaves whose centres are in all three ranges.
     glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
     for (size_t leaf = 0; leaf < areas.size(); ++leaf) {
         const glm::dvec3 from(low_[3 * leaf], low_[3 * leaf + 1], low_[3 * leaf + 2]),
-            to(high_[3 * leaf], high_[3 * leaf + 1], high_[3 * leaf + 2]), middle = 0.5 * (from + to);
-        if (!(areas[leaf] > 0) || glm::any(glm::lessThan(middle, solid_low)) ||
-            glm::any(glm::greaterThan(middle, solid_high)))
+            to(high_[3 * leaf], high_[3 * leaf + 1], high_[3 * leaf + 2]), centre = 0.5 * (from + to);
+        if (!(areas[leaf] > 0) || glm::any(glm::lessThan(centre, solid_low)) ||
+            glm::any(glm::greaterThan(centre, solid_high)))
             continue;
         low = glm::min(low, from);
         high = glm::max(high, to);

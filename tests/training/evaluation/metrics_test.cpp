@@ -159,7 +159,7 @@ TEST(Metrics, ContactSheetPlacesAndScales) {
     EXPECT_EQ(rgb(0, 0), (std::vector<int>{255, 0, 0}));
     EXPECT_EQ(rgb(3, 3), (std::vector<int>{255, 0, 0}));
     EXPECT_EQ(rgb(5, 1), white);  // clear over white
-    EXPECT_EQ(rgb(0, 5), black);  // 9×3 pixels divided by three are 3×1, in the cell's middle
+    EXPECT_EQ(rgb(0, 5), black);  // 9×3 pixels divided by three are 3×1, in the cell's centre
     EXPECT_EQ(rgb(2, 5), black);
     EXPECT_EQ(rgb(3, 5), white);
     EXPECT_EQ(rgb(0, 4), white);

@@ -17,7 +17,7 @@ LeafCell leaf_cell(uvec2 position) {
 }
 
 // The cells of an octree are in front-to-back order from an eye where the octants of every node are taken by increasing
-// number, with the bit of an axis flipped where the eye is beyond the node's middle plane: a ray crosses that plane at
+// number, with the bit of an axis flipped where the eye is beyond the node's centre plane: a ray crosses that plane at
 // most once, and only away from the eye's side. This function returns the index of a cell along one axis with its bits
 // flipped that way. The leading bits that the cell shares with the eye's cell belong to nodes around both, and become
 // 0. The first bit that differs says on which side of all further planes the eye is.

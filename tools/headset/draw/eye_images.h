@@ -52,7 +52,7 @@ class EyeImages {
 
     // Whether the user's own room is seen where the stage is not, from the next image on: there is no background then.
     void show_room(bool shown) { shows_room_ = shown; }
-    // Where the inset is from the next image on: around a point (world), or in the middle where none is known.
+    // Where the inset is from the next image on: around a point (world), or in the centre where none is known.
     void look_at(const std::optional<glm::dvec3>& point_world) { looks_at_ = point_world; }
     // Draws what the renderer shows (StageRenderer::show) for all views, and prefetches the slices in `next`, all in
     // one submission, for which nobody waits where images_overlap(). `highlight` says which
@@ -66,7 +66,7 @@ class EyeImages {
     // beneath is seen where their alpha is below 1: panels through holes, and the room.
     const XrCompositionLayerBaseHeader* layer(const xr::Session& session, bool over_layers);
 
-    // The angle of a pixel in the middle of the last image.
+    // The angle of a pixel in the centre of the last image.
     double pixel_rad() const { return 1 / cameras_[0].fx; }
     // Rays per pixel of the whole image along each side, in the last image.
     double scale() const { return drawn_scale_; }

@@ -20,7 +20,7 @@ class LabelFont {
     LabelFont& operator=(const LabelFont&) = delete;
     const gpu::DeviceImage& image() const { return image_; }
 
-    // Adds lines of text on a plate to the shapes. The plate's lower middle is at the pose's origin, X to its right and
+    // Adds lines of text on a plate to the shapes. The plate's lower centre is at the pose's origin, X to its right and
     // Y up; `line_m` is the height of a line. Lines are UTF-8; of each line, the first kMaxLetters are shown.
     static constexpr int kMaxLetters = 32;
     void draw(xr::EyeShapes& shapes, const xr::Pose& world_from_plate, double line_m,

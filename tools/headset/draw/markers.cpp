@@ -21,7 +21,7 @@ glm::dquat looking_along(glm::dvec3 direction) {
     return glm::quatLookAt(direction, is_steep ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0));
 }
 
-// Lines from the marker's middle to the corners, or to points of the rim, of what it shines at or sees.
+// Lines from the marker's centre to the corners, or to points of the rim, of what it shines at or sees.
 void draw_cone(xr::EyeShapes& shapes, const Marker& marker, glm::dvec2 half_size, int edges, double turn_rad,
                glm::vec4 colour) {
     std::vector<glm::dvec3> rim;

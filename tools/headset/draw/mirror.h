@@ -27,7 +27,7 @@ class Mirror {
     Mirror(const Mirror&) = delete;
     Mirror& operator=(const Mirror&) = delete;
 
-    // Shows the eye's image (R8G8B8A8 sRGB, layout TRANSFER_SRC, always the same one) in the middle of the window, as
+    // Shows the eye's image (R8G8B8A8 sRGB, layout TRANSFER_SRC, always the same one) in the centre of the window, as
     // large as fits, with the panel where the image is transparent; null shows nothing new. Leaves the image out where
     // the window still shows an earlier one. Returns whether the window is open.
     bool show(const gpu::DeviceImage* image, const std::optional<MirroredPanel>& panel);

@@ -19,13 +19,13 @@ class NoticePlate {
     static constexpr double kPulse_s = 0.12, kNextPulse_s = 0.24;
 
     void show(const editor::Notice& notice);
-    // To be called once a frame. `panel`: where it is, while it is visible. The plate stays below the middle of the
+    // To be called once a frame. `panel`: where it is, while it is visible. The plate stays below the centre of the
     // view, but lags behind small turns of the head.
     void update(const xr::Pose& world_head, const std::optional<PanelPlacement>& panel, double dt_s);
 
     // The lines of the plate; none where there is no plate, as nothing is new, or the panel in view has the notice.
     const std::vector<std::string>& lines() const { return shown_; }
-    // The plate's lower middle.
+    // The plate's lower centre.
     const xr::Pose& world_from_plate() const { return world_from_plate_; }
     double line_m() const;
 

@@ -130,7 +130,7 @@ void HandPainter::read_picture(HeadsetState& state) {
     });
 }
 
-// The picture's middle is where the ray meets the performer, its upper edge is the hand's, and there it is 2 radius_m
+// The picture's centre is where the ray meets the performer, its upper edge is the hand's, and there it is 2 radius_m
 // wide.
 void HandPainter::put_picture(HeadsetState& state, uint32_t index, Hand& hand) {
     if (picture_failed_) picture_file_.clear();  // then it is read again: somebody may have mended the file

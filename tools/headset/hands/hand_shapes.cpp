@@ -69,11 +69,11 @@ void draw_planned_copies(xr::EyeShapes& shapes, const HeadsetState& state) {
     const auto performer = state.selected_performer();
     if (!performer) return;
     const auto [low, high] = editor::box_of(state, *performer);
-    const glm::dvec3 middle(0.5 * (low.x + high.x), low.y, 0.5 * (low.z + high.z)), front(middle.x, low.y, high.z);
+    const glm::dvec3 centre(0.5 * (low.x + high.x), low.y, 0.5 * (low.z + high.z)), front(centre.x, low.y, high.z);
     for (const auto& [world_from_copy, is_taken] : planned_copies(state)) {
         const glm::vec4 colour = is_taken ? kRed : kGreen;
         shapes.box_edges(world_from_copy, low, high, 0.004, colour);
-        shapes.line(world_from_copy * glm::dvec4(middle, 1), world_from_copy * glm::dvec4(front, 1), 0.01, colour,
+        shapes.line(world_from_copy * glm::dvec4(centre, 1), world_from_copy * glm::dvec4(front, 1), 0.01, colour,
                     colour);
     }
 }
@@ -134,10 +134,10 @@ void draw_arc(xr::EyeShapes& shapes, const xr::Arc* arc, std::optional<double> y
     if (!arc) return;
     shapes.path(arc->points, 0.012, arc->landing ? kGreen : kRed);
     if (!arc->landing) return;
-    const glm::dvec3 middle = *arc->landing + glm::dvec3(0, 0.01, 0);
-    shapes.ring(middle, 0.22, 0.04, kGreen);
+    const glm::dvec3 centre = *arc->landing + glm::dvec3(0, 0.01, 0);
+    shapes.ring(centre, 0.22, 0.04, kGreen);
     if (!yaw_rad) return;
-    const auto at = [&](double x, double z) { return middle + xr::turn_by(*yaw_rad) * glm::dvec3(x, 0, z); };
+    const auto at = [&](double x, double z) { return centre + xr::turn_by(*yaw_rad) * glm::dvec3(x, 0, z); };
     shapes.path(std::array{at(0, 0.15), at(0, -0.5)}, 0.03, kGreen);
     shapes.path(std::array{at(-0.12, -0.36), at(0, -0.5), at(0.12, -0.36)}, 0.03, kGreen);
 }
@@ -158,13 +158,13 @@ void draw_contact_shadows(xr::EyeShapes& shapes, const HeadsetState& state) {
         const auto alpha = static_cast<float>(kDarkness * performer.opacity * std::exp(-above_m / kFades_m));
         if (!(alpha > 0.01f)) continue;
         const glm::dvec3 size = high - low;
-        glm::dvec3 middle = world * glm::dvec4(low + 0.5 * size, 1);
-        middle.y = state.floor_m;
+        glm::dvec3 centre = world * glm::dvec4(low + 0.5 * size, 1);
+        centre.y = state.floor_m;
         const auto half = [&](int axis) {
             const glm::dvec3 along(world[axis].x, 0, world[axis].z);
             return 0.5 * kWider * size[axis] * along;
         };
-        shapes.ellipse(middle, half(0), half(2), {0, 0, 0, alpha}, {0, 0, 0, 0});
+        shapes.ellipse(centre, half(0), half(2), {0, 0, 0, alpha}, {0, 0, 0, 0});
     }
 }
 
@@ -176,12 +176,12 @@ void draw_floor(xr::EyeShapes& shapes, const HeadsetState& state) {
     constexpr glm::vec4 kLine{0.25f, 0.27f, 0.3f, 0.5f}, kFadedLine{0.25f, 0.27f, 0.3f, 0};
     constexpr glm::vec4 kFloor{0.06f, 0.063f, 0.07f, 0.9f}, kFloorRim{0.06f, 0.063f, 0.07f, 0};
     if (editor::has_set(*state.stage)) return;
-    const glm::dvec3 middle(std::round(state.rig.position.x), state.floor_m, std::round(state.rig.position.z));
+    const glm::dvec3 centre(std::round(state.rig.position.x), state.floor_m, std::round(state.rig.position.z));
     shapes.ellipse({state.head.x, state.floor_m, state.head.z}, {kFloor_m, 0, 0}, {0, 0, kFloor_m}, kFloor, kFloorRim);
     draw_contact_shadows(shapes, state);
     for (int i = -kLinesPerSide; i <= kLinesPerSide; ++i)
         for (const glm::dvec3& along : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)}) {
-            const glm::dvec3 beside(along.z, 0, along.x), at = middle + double(i) * beside;
+            const glm::dvec3 beside(along.z, 0, along.x), at = centre + double(i) * beside;
             for (const double direction : {-1.0, 1.0})
                 shapes.line(at, at + direction * kLinesPerSide * along, 0.008, i == 0 ? kLine : 0.7f * kLine,
                             kFadedLine);

@@ -14,7 +14,7 @@ constexpr double kAbove = 0.7;                   // lines between the dot and th
 constexpr double kNearer = 0.88;  // of the dot's distance, so that no body beside the dot covers the label
 
 constexpr double kHintLine_rad = glm::radians(1.2), kHintAside_m = 0.11, kHintAbove_m = 0.02;
-// Where the plate of a hand is that is out of view: so far below the middle of the view and beside it.
+// Where the plate of a hand is that is out of view: so far below the centre of the view and beside it.
 constexpr double kHintInView_rad = glm::radians(24.0), kHintDown_rad = glm::radians(16.0),
                  kHintSide_rad = glm::radians(17.0), kHintAway_m = 1;
 constexpr double kStatusDown_rad = glm::radians(21.0);

@@ -27,7 +27,7 @@ std::vector<glm::dvec3> ways_out(const HeadsetState& state, const stage::Evaluat
     const auto [low, high] = editor::box_of(state, performer.performer);
     const glm::dmat4& world = performer.world_from_performer;
     if (!performer.visible || above_floor(world, low, high, state.floor_m) > kHead_m) return {};
-    const glm::dvec3 middle = world * glm::dvec4(0.5 * (low + high), 1);
+    const glm::dvec3 centre = world * glm::dvec4(0.5 * (low + high), 1);
     std::vector<glm::dvec3> ways;
     for (const int axis : {0, 2}) {
         glm::dvec3 along(world[axis].x, 0, world[axis].z);
@@ -35,7 +35,7 @@ std::vector<glm::dvec3> ways_out(const HeadsetState& state, const stage::Evaluat
         if (!(scale > 0)) return {};
         along /= scale;
         const double half_m = 0.5 * (high[axis] - low[axis]) * scale + kBesidePerformer_m;
-        const double aside_m = glm::dot(at - middle, along);
+        const double aside_m = glm::dot(at - centre, along);
         if (std::abs(aside_m) >= half_m) return {};
         for (const double side : {-1.0, 1.0}) ways.push_back(at + (side * (half_m + kBeyond_m) - aside_m) * along);
     }

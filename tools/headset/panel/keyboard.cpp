@@ -23,7 +23,7 @@ void erase_last(std::string& text) {
     }
 }
 
-// The keys of a line, each as wide as in a line of ten, in the middle of the panel.
+// The keys of a line, each as wide as in a line of ten, in the centre of the panel.
 void key_line(Rows& rows, const char* keys, bool shift) {
     const float one = column_width(10), gap = ImGui::GetStyle().ItemSpacing.x;
     const auto count = static_cast<float>(std::char_traits<char>::length(keys));

@@ -15,7 +15,7 @@ class Coaching;
 struct PanelResult {
     bool save = false, save_as = false, leave = false, to_start = false;
     std::filesystem::path open;               // another stage or clip, or an address; mostly empty
-    std::map<std::string, glm::dvec2> items;  // by name: the middle of each item, 0..1 from the upper left
+    std::map<std::string, glm::dvec2> items;  // by name: the centre of each item, 0..1 from the upper left
     std::vector<std::string> cut_off;         // the labels that are wider than their buttons
 };
 

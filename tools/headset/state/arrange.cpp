@@ -18,7 +18,7 @@ glm::dmat4 world_from_parent(const HeadsetState& state, uint32_t node) {
 
 namespace {
 
-constexpr double kCopyDistance = 1.1;  // between middles, in widths of the performer
+constexpr double kCopyDistance = 1.1;  // between centres, in widths of the performer
 constexpr int kMostPlaces = 64;        // of a row, to either side, that are looked at
 // The share of a box along each axis in which nobody else may be: of a copy beside somebody, and of those whose
 // distance the user has chosen.
@@ -34,15 +34,15 @@ std::optional<double> width_of_selected(const HeadsetState& state) {
     return (high.x - low.x) * glm::length(glm::dvec3(local[0]));
 }
 
-// Whether a part of the first box's middle lies in the middle of the second; `share` is that of each axis that counts.
+// Whether a part of the first box's centre lies in the centre of the second; `share` is that of each axis that counts.
 bool reaches_into(const PlacedBox& one, const PlacedBox& other, double share) {
     constexpr int kPoints = 4;  // along each axis, less one
     const glm::dmat4 other_from_one = glm::inverse(other.world_from_box) * one.world_from_box;
-    const glm::dvec3 middle = 0.5 * (one.low + one.high), half = 0.5 * share * (one.high - one.low);
+    const glm::dvec3 centre = 0.5 * (one.low + one.high), half = 0.5 * share * (one.high - one.low);
     const glm::dvec3 of_other = 0.5 * (other.low + other.high), other_half = 0.5 * share * (other.high - other.low);
     for (int i = 0; i < (kPoints + 1) * (kPoints + 1) * (kPoints + 1); ++i) {
         const glm::dvec3 at(i % (kPoints + 1), i / (kPoints + 1) % (kPoints + 1), i / (kPoints + 1) / (kPoints + 1));
-        const glm::dvec3 point = middle + half * (2.0 * at / double{kPoints} - 1.0);
+        const glm::dvec3 point = centre + half * (2.0 * at / double{kPoints} - 1.0);
         const glm::dvec3 away = glm::abs(glm::dvec3(other_from_one * glm::dvec4(point, 1)) - of_other);
         if (glm::all(glm::lessThanEqual(away, other_half))) return true;
     }

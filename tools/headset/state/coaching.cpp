@@ -21,25 +21,25 @@ std::optional<double> heading_of(const glm::dvec3& direction) {
     return std::atan2(direction.x, direction.z);
 }
 
-glm::dmat4 turned_about(const glm::dvec3& middle, double angle_rad) {
-    return glm::translate(glm::dmat4(1), middle) * glm::rotate(glm::dmat4(1), angle_rad, glm::dvec3(0, 1, 0)) *
-           glm::translate(glm::dmat4(1), -middle);
+glm::dmat4 turned_about(const glm::dvec3& centre, double angle_rad) {
+    return glm::translate(glm::dmat4(1), centre) * glm::rotate(glm::dmat4(1), angle_rad, glm::dvec3(0, 1, 0)) *
+           glm::translate(glm::dmat4(1), -centre);
 }
 
 }  // namespace
 
-void TrainerTurn::show(const glm::dvec3& middle, const glm::dvec3& eye, const glm::dvec3& head) {
-    const std::optional<double> from = heading_of(eye - middle), to = heading_of(head - middle);
+void TrainerTurn::show(const glm::dvec3& centre, const glm::dvec3& eye, const glm::dvec3& head) {
+    const std::optional<double> from = heading_of(eye - centre), to = heading_of(head - centre);
     if (!from || !to) return;
     from_ = performer_from_turned();
-    middle_ = middle;
+    centre_ = centre;
     by_rad_ = std::remainder(*to - *from, 2 * glm::pi<double>());
     passed_s_ = 0;
 }
 
 glm::dmat4 TrainerTurn::performer_from_turned() const {
     const double share = std::clamp(passed_s_ / kTurn_s, 0.0, 1.0);
-    return from_ * turned_about(middle_, by_rad_ * share * share * (3 - 2 * share));
+    return from_ * turned_about(centre_, by_rad_ * share * share * (3 - 2 * share));
 }
 
 double TrainerTurn::angle_rad() const {

@@ -17,9 +17,9 @@ class TrainerTurn {
     static constexpr double kTurn_s = 0.5;
 
     // Begins to turn the performer so that somebody at `head` will see the side that faces `eye`. The axis goes through
-    // `middle`. All are in the performer's space as it is drawn now. Nothing happens where either is above or below the
-    // middle.
-    void show(const glm::dvec3& middle, const glm::dvec3& eye, const glm::dvec3& head);
+    // `centre`. All are in the performer's space as it is drawn now. Nothing happens where either is above or below the
+    // centre.
+    void show(const glm::dvec3& centre, const glm::dvec3& eye, const glm::dvec3& head);
     void advance(double dt_s) { passed_s_ += dt_s; }
     // The turn as it is now: the transform from the turned performer's space to the one that the stage gives it.
     glm::dmat4 performer_from_turned() const;
@@ -27,7 +27,7 @@ class TrainerTurn {
 
   private:
     glm::dmat4 from_{1};  // the turn when the present one began
-    glm::dvec3 middle_{0};
+    glm::dvec3 centre_{0};
     double by_rad_ = 0, passed_s_ = kTurn_s;
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kAround = 16;  // points of an ellipse
 constexpr double kGap_rad = glm::radians(1.0);
-constexpr double kInView_rad = glm::radians(40.0);     // from the middle of the view to its edge
+constexpr double kInView_rad = glm::radians(40.0);     // from the centre of the view to its edge
 constexpr double kFreeAside_rad = glm::radians(10.0);  // of a panel that is about nobody
 
 // The head, without its tilt to the side.
@@ -25,10 +25,10 @@ PanelPlacement placed(const xr::Pose& head, double left_rad, double width_rad) {
     return {{head.position + kPanelAway_m * direction, upright_towards(direction)}, {width_m, width_m / kPanelAspect}};
 }
 
-// The panel on one side of a box whose edge on that side is so far from the middle of the view, towards that side.
+// The panel on one side of a box whose edge on that side is so far from the centre of the view, towards that side.
 struct Side {
     double width_rad, aside_rad, covered_rad;
-    // The less, the better: above all the panel covers little; then it is wide; then it is near the view's middle.
+    // The less, the better: above all the panel covers little; then it is wide; then it is near the view's centre.
     double cost() const { return 10 * covered_rad + (kPanelWidth_rad - width_rad) + 0.1 * std::abs(aside_rad); }
 };
 Side side_beside(double edge_rad, double most_rad) {
@@ -48,11 +48,11 @@ glm::dquat upright_towards(glm::dvec3 direction) {
 
 std::optional<std::pair<double, double>> seen_between(const xr::Pose& world_head, const PlacedBox& box) {
     const xr::Pose head_from_world = xr::inverse(upright(world_head));
-    const glm::dvec3 middle = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
+    const glm::dvec3 centre = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
     glm::dvec2 low(1e9), high(-1e9);
     for (int i = 0; i < 2 * kAround; ++i) {
         const double around = glm::two_pi<double>() * i / kAround, up = i < kAround ? -1 : 1;
-        const glm::dvec3 of_box = middle + half * glm::dvec3(std::cos(around), up, std::sin(around));
+        const glm::dvec3 of_box = centre + half * glm::dvec3(std::cos(around), up, std::sin(around));
         const glm::dvec3 at = head_from_world * glm::dvec3(box.world_from_box * glm::dvec4(of_box, 1));
         if (at.z > -0.05) return std::nullopt;
         const glm::dvec2 angles(std::atan2(-at.x, -at.z), std::atan2(at.y, -at.z));

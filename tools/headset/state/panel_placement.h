@@ -12,7 +12,7 @@ constexpr glm::dvec2 kWristPanel_m{0.24, 0.32};
 constexpr double kPanelAspect = 0.75;  // width / height
 
 struct PanelPlacement {
-    xr::Pose world_from_panel;  // the origin is the panel's middle; X to its right, Y to its top
+    xr::Pose world_from_panel;  // the origin is the panel's centre; X to its right, Y to its top
     glm::dvec2 size_m = kWristPanel_m;
 
     // The world position of a point of the panel, which is given as 0..1 from the upper left.
@@ -27,19 +27,19 @@ struct PlacedBox {
     glm::dvec3 low{0}, high{0};
 };
 
-// The panel's middle opens at most kPanelAside_rad beside the direction in which the head looks, at its height and
+// The panel's centre opens at most kPanelAside_rad beside the direction in which the head looks, at its height and
 // facing it. Its width is kPanelWidth_rad.
 //
 // Where the box `about` is in view, the panel opens beside it (seen_between), on the side with more room. Where there
 // is too little room for the panel beside it, the panel is narrower, but not narrower than kMinPanelWidth_rad, at which
-// its text can still be read (PanelSurface). So a box that reaches more than 4° to both sides of the view's middle is
+// its text can still be read (PanelSurface). So a box that reaches more than 4° to both sides of the view's centre is
 // partly covered: as much of it as lies more than 5° to one side. Without a box the panel opens to the left, or to the
 // right for `left_handed` users, out of the way of the ray of the hand that points.
 //
 // `aside_rad` is more for somebody who should be seen whole, such as a trainer: kTrainerAside_rad.
 constexpr double kPanelAside_rad = glm::radians(18.25), kTrainerAside_rad = glm::radians(36.0),
                  kPanelWidth_rad = glm::radians(32.0), kMinPanelWidth_rad = glm::radians(26.5);
-// From the head to the panel's middle: where eyes accommodate in most headsets, and within reach of both hands' rays.
+// From the head to the panel's centre: where eyes accommodate in most headsets, and within reach of both hands' rays.
 constexpr double kPanelAway_m = 1.1;
 PanelPlacement panel_in_view(const xr::Pose& world_head, const std::optional<PlacedBox>& about, bool left_handed,
                              double aside_rad = kPanelAside_rad);

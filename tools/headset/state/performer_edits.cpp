@@ -14,7 +14,7 @@ namespace neuvv::headset {
 
 namespace {
 
-// The middle between the feet, in the performer's own space.
+// The centre between the feet, in the performer's own space.
 glm::dvec3 feet_of(const HeadsetState& state, uint32_t performer) {
     const auto [low, high] = editor::box_of(state, performer);
     return {0.5 * (low.x + high.x), low.y, 0.5 * (low.z + high.z)};
@@ -107,11 +107,11 @@ void fit_to_room(HeadsetState& state, const xr::Pose& head, glm::dvec2 room_m) {
     const xr::Pose user{{world.position.x, state.floor_m, world.position.z}, xr::turn_by(xr::yaw_of(world.rotation))};
     const auto box = ensemble_box(state, user);
     if (!box) return state.editor.notify("nobody is seen on the stage", true);
-    const glm::dvec3 size = box->second - box->first, middle = 0.5 * (box->first + box->second);
+    const glm::dvec3 size = box->second - box->first, centre = 0.5 * (box->first + box->second);
     const double scale = std::min({1.0, room_m.x / size.x, room_m.y / size.z, kRoomHeight_m / size.y});
     const glm::dvec3 to(0, 0, -(kNewPerformer_m + 0.5 * scale * size.z));
     const glm::dmat4 moved = glm::translate(glm::dmat4(1), to) * glm::scale(glm::dmat4(1), glm::dvec3(scale)) *
-                             glm::translate(glm::dmat4(1), -glm::dvec3(middle.x, box->first.y, middle.z));
+                             glm::translate(glm::dmat4(1), -glm::dvec3(centre.x, box->first.y, centre.z));
     const glm::dmat4 world_from_user = xr::matrix_of(user);
     const glm::dmat4 change = world_from_user * moved * glm::inverse(world_from_user);
     state.editor.edit([&](edit::Document& document) {

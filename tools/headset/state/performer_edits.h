@@ -11,7 +11,7 @@ namespace neuvv::headset {
 constexpr double kNewPerformer_m = 2;
 
 // Edits the document: the selected performer gets the scale that its clip was recorded in, 1 along each axis, in the
-// world. The middle between its feet, at the bottom of what is solid of it, stays where it is.
+// world. The centre between its feet, at the bottom of what is solid of it, stays where it is.
 void give_life_size(HeadsetState& state);
 
 // Edits the document: the selected performer comes to stand on the floor kNewPerformer_m before the user whose head is

@@ -22,7 +22,7 @@ std::string_view text_of(std::span<const unsigned char> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Begins a window in the middle of the display, as large as `share` of it. ImGui::End() ends it.
+// Begins a window in the centre of the display, as large as `share` of it. ImGui::End() ends it.
 bool begin_window(const Context& context, const char* name, bool& open, float share) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Appearing, {0.5f, 0.5f});

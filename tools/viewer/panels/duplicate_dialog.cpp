@@ -52,8 +52,8 @@ void ask_duplicate(const Context& context, CopyQuestion& question, uint32_t node
 void duplicate_dialog(Context& context, StageTree& tree) {
     CopyQuestion& question = tree.copies;
     if (std::exchange(question.ask, false)) ImGui::OpenPopup(kTitle);
-    const ImVec2 middle = ImGui::GetMainViewport()->GetCenter();
-    ImGui::SetNextWindowPos(middle, ImGuiCond_Appearing, {0.5f, 0.5f});
+    const ImVec2 centre = ImGui::GetMainViewport()->GetCenter();
+    ImGui::SetNextWindowPos(centre, ImGuiCond_Appearing, {0.5f, 0.5f});
     ImGui::SetNextWindowSize({context.ui(360), 0});
     if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings)) return;
     const auto row = row_of(tree.rows, question.node);

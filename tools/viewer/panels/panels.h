@@ -90,7 +90,7 @@ void notices_panel(Context& context, std::span<const editor::Notice> notices);
 
 // Begins the ImGui window of a panel at this area; ImGui::End() ends it.
 bool begin_panel(const char* name, const Area& area);
-// Where a row of the current ImGui window is not visible, scrolls it to the middle. `top` is in pixels from the top of
+// Where a row of the current ImGui window is not visible, scrolls it to the centre. `top` is in pixels from the top of
 // the first row.
 void scroll_to_row(float top, float height);
 

@@ -76,7 +76,7 @@ void transform_buttons(Context& context, FieldGroup& group, const StageRow& row)
             return edit::place_node(d.file, row.node, placement_to(edit::transform_of(d.file, row.node), {}));
         });
     group.report_last("reset");
-    explain("In the middle of the stage, not turned, as large as it is");
+    explain("In the centre of the stage, not turned, as large as it is");
 }
 
 void transform_fields(Context& context, FieldGroup& group, PropertyFields& fields, const StageRow& row) {

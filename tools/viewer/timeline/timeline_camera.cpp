@@ -100,12 +100,12 @@ void move_key(Context& context, const TimelineView& view, KeyDrag& drag) {
 
 // Draws a key and drags it. Returns whether the pointer is over it.
 bool key_button(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag, const stage::CameraPath& path,
-                size_t key, double time_s, float middle) {
+                size_t key, double time_s, float centre) {
     const float x = std::round(view.x_at(time_s)), half = context.ui(kKeySize);
     const bool dragged = drag && drag->key == key;
     if (!dragged && (x < view.left() - half || x > view.right() + half)) return false;
     ImGui::PushID(static_cast<int>(key));
-    ImGui::SetCursorScreenPos({x - half, middle - half});
+    ImGui::SetCursorScreenPos({x - half, centre - half});
     ImGui::InvisibleButton("key", {2 * half, 2 * half});
     context.report.item(fmt::format("timeline/key/{}", key));
     if (ImGui::IsItemActivated()) drag = KeyDrag{key, false, view.axis.s_at(ImGui::GetIO().MousePos.x), time_s, path};
@@ -118,7 +118,7 @@ bool key_button(Context& context, const TimelineView& view, std::optional<KeyDra
     if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) ImGui::OpenPopup("key_menu");
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const bool now = std::abs(time_s - context.view.clock.time_s()) < frame_s(context) / 2;
-    list.AddQuadFilled({x - half, middle}, {x, middle - half}, {x + half, middle}, {x, middle + half},
+    list.AddQuadFilled({x - half, centre}, {x, centre - half}, {x + half, centre}, {x, centre + half},
                        highlighted || now ? ui::kAccent : kKeyColour);
     if (ImGui::BeginPopup("key_menu")) {
         key_items(context, path, key);
@@ -131,7 +131,7 @@ bool key_button(Context& context, const TimelineView& view, std::optional<KeyDra
 
 // Draws the path, from its first key to its end, and its keys. Returns whether the pointer is over a key.
 bool draw_keys(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag, const stage::CameraPath& now,
-               float middle) {
+               float centre) {
     const bool released = !ImGui::IsMouseDown(ImGuiMouseButton_Left) && !ImGui::IsMouseReleased(ImGuiMouseButton_Left);
     if (released) drag.reset();  // released while the panel was not displayed
     const stage::CameraPath path = drag ? drag->before : now;
@@ -139,12 +139,12 @@ bool draw_keys(Context& context, const TimelineView& view, std::optional<KeyDrag
     const float low = std::clamp(view.x_at(now.keys.front().time_s), view.left(), view.right());
     const float high = std::clamp(view.x_at(end_s), view.left(), view.right());
     if (now.interpolation != stage::Interpolation::kCut)
-        ImGui::GetWindowDrawList()->AddLine({low, middle}, {high, middle}, kPathColour, context.ui(2));
-    ImGui::PushClipRect({view.left(), middle - view.row_height}, {view.right(), middle + view.row_height}, true);
+        ImGui::GetWindowDrawList()->AddLine({low, centre}, {high, centre}, kPathColour, context.ui(2));
+    ImGui::PushClipRect({view.left(), centre - view.row_height}, {view.right(), centre + view.row_height}, true);
     bool over_key = false;
     for (size_t i = 0; i < path.keys.size(); ++i)
         over_key |=
-            key_button(context, view, drag, path, i, drag && drag->key == i ? drag->to_s : path.keys[i].time_s, middle);
+            key_button(context, view, drag, path, i, drag && drag->key == i ? drag->to_s : path.keys[i].time_s, centre);
     ImGui::PopClipRect();
     return over_key;
 }

@@ -40,10 +40,10 @@ void range_bar(Context& context, const TimelineView& view, float top) {
     const float low = std::clamp(view.x_at(clock.in_s()), view.left(), view.right());
     const float high = std::clamp(view.x_at(clock.out_s()), view.left(), view.right());
     const bool whole = clock.in_s() <= 0 && clock.out_s() >= clock.duration_s();
-    const float middle = std::round(top + height / 2), half = std::round(context.ui(2));
-    list.AddRectFilled({view.left(), middle - half}, {view.right(), middle + half}, ui::kGroove, half);
+    const float centre = std::round(top + height / 2), half = std::round(context.ui(2));
+    list.AddRectFilled({view.left(), centre - half}, {view.right(), centre + half}, ui::kGroove, half);
     const unsigned colour = clock.loops && !whole ? ui::kAccent : ui::kFaint;
-    list.AddRectFilled({low, middle - half}, {high, middle + half}, colour, half);
+    list.AddRectFilled({low, centre - half}, {high, centre + half}, colour, half);
     for (const bool end : {false, true}) {
         const float at = end ? high : low;
         if (std::abs(view.x_at(end ? clock.out_s() : clock.in_s()) - at) > 1) continue;  // it is outside the axis
@@ -53,7 +53,7 @@ void range_bar(Context& context, const TimelineView& view, float top) {
         context.report.item(end ? "timeline/out" : "timeline/in");
         const bool highlighted = ImGui::IsItemHovered() || ImGui::IsItemActive();
         const float side = end ? grip : -grip;
-        list.AddTriangleFilled({at, top}, {at + side, middle}, {at, top + height}, highlighted ? ui::kAccent : colour);
+        list.AddTriangleFilled({at, top}, {at + side, centre}, {at, top + height}, highlighted ? ui::kAccent : colour);
         if (highlighted) {
             ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
             ImGui::SetTooltip(

@@ -29,7 +29,7 @@ std::span<const float> amplitudes_of(TimelineState& state, const edit::Performer
     return columns.amplitudes;
 }
 
-// The height of an amplitude above the middle, in whole pixels up to `max`. A square root, so that speech can be seen
+// The height of an amplitude above the centre, in whole pixels up to `max`. A square root, so that speech can be seen
 // beside claps that are ten times as loud.
 float height_of(float amplitude, float gain, float max) {
     return std::round(max * std::sqrt(std::min(1.0f, amplitude * gain)));
@@ -46,14 +46,14 @@ void draw_waveform(Context& context, TimelineState& state, const editor::Wavefor
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const unsigned colour = context.view.hears(track.name) ? kWave : kWaveMuted;
     const auto gain = static_cast<float>(std::pow(10, track.gain_db / 20));
-    const float left = state.view.left(), middle = std::round((top + bottom) / 2), max = std::floor((bottom - top) / 2);
+    const float left = state.view.left(), centre = std::round((top + bottom) / 2), max = std::floor((bottom - top) / 2);
     float first = -1, last = -1;  // where anything is heard
     for (size_t i = 0, next = 0; i < amplitudes.size(); i = next) {
         const float height = height_of(amplitudes[i], gain, max);
         for (next = i + 1; next < amplitudes.size() && height_of(amplitudes[next], gain, max) == height;) ++next;
         if (height == 0) continue;
         const float from = left + static_cast<float>(i), to = left + static_cast<float>(next);
-        list.AddRectFilled({from, middle - height}, {to, middle + height}, colour);
+        list.AddRectFilled({from, centre - height}, {to, centre + height}, colour);
         if (first < 0) first = from;
         last = to;
     }

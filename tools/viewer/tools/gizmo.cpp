@@ -32,7 +32,7 @@ struct GizmoShapes {
     ShapeView view;
     std::vector<HandleShape> all;
 
-    GizmoShapes(const Gizmo& of, const GizmoFrame& in) : gizmo(of), frame(in), view(of.camera, in.middle, in.size_m) {
+    GizmoShapes(const Gizmo& of, const GizmoFrame& in) : gizmo(of), frame(in), view(of.camera, in.centre, in.size_m) {
         all.reserve(12);
     }
     void add(const std::optional<HandleShape>& shape) {
@@ -42,10 +42,10 @@ struct GizmoShapes {
     static int across(size_t axis) { return static_cast<int>(GizmoHandle::kYZ) + static_cast<int>(axis); }
 
     void add_axis(size_t axis, bool arrow) {
-        const glm::dvec3 axis_m = frame.axes[axis] * frame.size_m, tip = frame.middle + axis_m;
-        if (!editor::line_drag(gizmo.camera, frame.middle, axis_m, 1, {0, 0})) return;
+        const glm::dvec3 axis_m = frame.axes[axis] * frame.size_m, tip = frame.centre + axis_m;
+        if (!editor::line_drag(gizmo.camera, frame.centre, axis_m, 1, {0, 0})) return;
         const glm::vec4 colour = colour_of(axis, 1);
-        const glm::dvec3 ends[] = {frame.middle + kShaftFrom * axis_m, tip};
+        const glm::dvec3 ends[] = {frame.centre + kShaftFrom * axis_m, tip};
         const std::optional<HandleShape> shaft = line_shape(view, first(axis), colour, ends);
         add(shaft);
         if (!arrow) return add(square_shape(view, first(axis), colour, tip, kBox_px));
@@ -62,20 +62,20 @@ struct GizmoShapes {
         if (std::abs(glm::dot(square_normal(frame, axis), frame.to_eye)) < editor::kEdgeOn) return;
         const glm::dvec3 u = frame.axes[(axis + 1) % 3] * frame.size_m, v = frame.axes[(axis + 2) % 3] * frame.size_m;
         const glm::dvec3 corners[] = {
-            frame.middle + kSquareNear * u + kSquareNear * v, frame.middle + kSquareFar * u + kSquareNear * v,
-            frame.middle + kSquareFar * u + kSquareFar * v, frame.middle + kSquareNear * u + kSquareFar * v};
+            frame.centre + kSquareNear * u + kSquareNear * v, frame.centre + kSquareFar * u + kSquareNear * v,
+            frame.centre + kSquareFar * u + kSquareFar * v, frame.centre + kSquareNear * u + kSquareFar * v};
         add(polygon_shape(view, across(axis), colour_of(axis, kSquareOpacity), corners));
     }
     void add_ring(size_t axis) {
         const RingFront ring = ring_front(frame, frame.axes[axis]);
         const double half_angle = ring.facing > kFaceOnRing ? pi : pi / 2;
         add(line_shape(view, first(axis), colour_of(axis, 1),
-                       arc(frame.middle, ring.front, ring.tangent, frame.size_m, half_angle)));
+                       arc(frame.centre, ring.front, ring.tangent, frame.size_m, half_angle)));
     }
     void add_outer_ring() {
         const glm::dvec3 u = editor::perpendicular_to(frame.to_eye);
         add(line_shape(view, static_cast<int>(GizmoHandle::kCentre), kWhite,
-                       arc(frame.middle, u, glm::cross(frame.to_eye, u), kOuterRing * frame.size_m, pi)));
+                       arc(frame.centre, u, glm::cross(frame.to_eye, u), kOuterRing * frame.size_m, pi)));
     }
 };
 
@@ -92,11 +92,11 @@ std::optional<GizmoFrame> gizmo_frame(const Gizmo& gizmo) {
     if (!is_finite(gizmo.world_from_node)) return std::nullopt;
     GizmoFrame frame{glm::dvec3(gizmo.world_from_node[3]),
                      {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)}};
-    const double depth = editor::depth_of(gizmo.camera, frame.middle);
+    const double depth = editor::depth_of(gizmo.camera, frame.centre);
     if (!(depth >= editor::kMinDepth_m)) return std::nullopt;
     frame.size_m =
-        std::min(editor::metres_of_pixels(gizmo.camera, frame.middle, gizmo.size_px), kMaxDepthShare * depth);
-    frame.to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - frame.middle);
+        std::min(editor::metres_of_pixels(gizmo.camera, frame.centre, gizmo.size_px), kMaxDepthShare * depth);
+    frame.to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - frame.centre);
     if (gizmo.axes == GizmoAxes::kWorld && gizmo.mode != GizmoMode::kScale) return frame;
     glm::dmat3 local(gizmo.world_from_node);
     for (int i = 0; i < 3; ++i) local[i] /= glm::length(local[i]);
@@ -127,7 +127,7 @@ std::vector<HandleShape> gizmo_shapes(const Gizmo& gizmo) {
     }
     if (gizmo.mode == GizmoMode::kMove)
         shapes.add(
-            square_shape(shapes.view, static_cast<int>(GizmoHandle::kCentre), kWhite, frame->middle, kCentre_px));
+            square_shape(shapes.view, static_cast<int>(GizmoHandle::kCentre), kWhite, frame->centre, kCentre_px));
     else
         shapes.add_outer_ring();
     sort_for_drawing(shapes.all);

@@ -40,7 +40,7 @@ GizmoHandle gizmo_handle_at(const Gizmo& gizmo, glm::dvec2 pointer);
 // Move: by the difference of the two points on the axis that appear nearest to the pointers, or of the points in the
 // plane under the pointers. Rotate: about the ring's axis, by the angle between the points in the ring's plane under
 // the pointers; where that plane is seen nearly edge on, by the length along the tangent of the ring's front. Scale:
-// along the axis, by the ratio of the distances from the middle, but never by less than kMinFactor.
+// along the axis, by the ratio of the distances from the centre, but never by less than kMinFactor.
 //
 // `snap`: moves are multiples of 0.1 m along the axes, angles of 15°, factors of 0.1.
 constexpr double kMoveSnap_m = 0.1, kRotateSnap_deg = 15, kScaleSnap = 0.1, kMinFactor = 1e-3;

@@ -12,7 +12,7 @@ namespace {
 
 // RingFront::facing below which a ring is rotated by the length along its front.
 constexpr double kEdgeOnRing = 0.15;
-// The least distance from the middle by which a ratio divides, in sizes of the gizmo and in pixels.
+// The least distance from the centre by which a ratio divides, in sizes of the gizmo and in pixels.
 constexpr double kMinGrip = 0.1, kMinGrip_px = 8;
 
 struct Grabbed {
@@ -31,15 +31,15 @@ glm::dvec2 components(glm::dvec3 v, glm::dvec3 a, glm::dvec3 b) {
 glm::dvec3 move_along(const Grabbed& grabbed, glm::dvec3 axis) {
     const stage::Camera& camera = grabbed.gizmo.camera;
     const GizmoFrame& frame = grabbed.frame;
-    const std::optional<double> from = editor::line_drag(camera, frame.middle, axis, frame.size_m, grabbed.from),
-                                to = editor::line_drag(camera, frame.middle, axis, frame.size_m, grabbed.to);
+    const std::optional<double> from = editor::line_drag(camera, frame.centre, axis, frame.size_m, grabbed.from),
+                                to = editor::line_drag(camera, frame.centre, axis, frame.size_m, grabbed.to);
     return from && to ? axis * editor::snapped(*to - *from, kMoveSnap_m, grabbed.snap) : glm::dvec3(0);
 }
 
 glm::dvec3 move_in_plane(const Grabbed& grabbed, glm::dvec3 u, glm::dvec3 v) {
-    const glm::dvec3 normal = glm::cross(u, v), middle = grabbed.frame.middle;
-    const std::optional<glm::dvec3> from = editor::plane_drag(grabbed.gizmo.camera, middle, normal, grabbed.from),
-                                    to = editor::plane_drag(grabbed.gizmo.camera, middle, normal, grabbed.to);
+    const glm::dvec3 normal = glm::cross(u, v), centre = grabbed.frame.centre;
+    const std::optional<glm::dvec3> from = editor::plane_drag(grabbed.gizmo.camera, centre, normal, grabbed.from),
+                                    to = editor::plane_drag(grabbed.gizmo.camera, centre, normal, grabbed.to);
     if (!from || !to) return glm::dvec3(0);
     if (!grabbed.snap) return *to - *from;
     const glm::dvec2 move = components(*to - *from, u, v);
@@ -48,20 +48,20 @@ glm::dvec3 move_in_plane(const Grabbed& grabbed, glm::dvec3 u, glm::dvec3 v) {
 
 double angle_about(const Grabbed& grabbed, glm::dvec3 axis) {
     const stage::Camera& camera = grabbed.gizmo.camera;
-    const glm::dvec3 middle = grabbed.frame.middle;
+    const glm::dvec3 centre = grabbed.frame.centre;
     const RingFront ring = ring_front(grabbed.frame, axis);
     if (ring.facing < kEdgeOnRing) {
         const double radius = grabbed.frame.size_m;
         const auto along = [&](glm::dvec2 pointer) {
-            return editor::line_drag(camera, middle + ring.front * radius, ring.tangent * radius, 1, pointer);
+            return editor::line_drag(camera, centre + ring.front * radius, ring.tangent * radius, 1, pointer);
         };
         const std::optional<double> from = along(grabbed.from), to = along(grabbed.to);
         return from && to ? *to - *from : 0;
     }
-    const std::optional<glm::dvec3> from = editor::plane_drag(camera, middle, axis, grabbed.from),
-                                    to = editor::plane_drag(camera, middle, axis, grabbed.to);
+    const std::optional<glm::dvec3> from = editor::plane_drag(camera, centre, axis, grabbed.from),
+                                    to = editor::plane_drag(camera, centre, axis, grabbed.to);
     if (!from || !to) return 0;
-    const glm::dvec3 a = *from - middle, b = *to - middle;
+    const glm::dvec3 a = *from - centre, b = *to - centre;
     return std::atan2(glm::dot(axis, glm::cross(a, b)), glm::dot(a, b));
 }
 
@@ -73,16 +73,16 @@ double factor_of(double from, double to, double min_grip, bool snap) {
 double factor_along(const Grabbed& grabbed, glm::dvec3 axis) {
     const GizmoFrame& frame = grabbed.frame;
     const auto along = [&](glm::dvec2 pointer) {
-        return editor::line_drag(grabbed.gizmo.camera, frame.middle, axis * frame.size_m, 1, pointer);
+        return editor::line_drag(grabbed.gizmo.camera, frame.centre, axis * frame.size_m, 1, pointer);
     };
     const std::optional<double> from = along(grabbed.from), to = along(grabbed.to);
     return from && to ? factor_of(*from, *to, kMinGrip, grabbed.snap) : 1;
 }
 
 double uniform_factor(const Grabbed& grabbed) {
-    const std::optional<glm::dvec2> middle = editor::pixel_of(grabbed.gizmo.camera, grabbed.frame.middle);
-    if (!middle) return 1;
-    return factor_of(glm::distance(grabbed.from, *middle), glm::distance(grabbed.to, *middle), kMinGrip_px,
+    const std::optional<glm::dvec2> centre = editor::pixel_of(grabbed.gizmo.camera, grabbed.frame.centre);
+    if (!centre) return 1;
+    return factor_of(glm::distance(grabbed.from, *centre), glm::distance(grabbed.to, *centre), kMinGrip_px,
                      grabbed.snap);
 }
 

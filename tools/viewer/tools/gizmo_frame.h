@@ -11,7 +11,7 @@ constexpr double kOuterRing = 1.25;                     // radius of the outer r
 constexpr double kSquareNear = 0.35, kSquareFar = 0.6;  // edges of the squares between axes
 
 struct GizmoFrame {
-    glm::dvec3 middle;               // world
+    glm::dvec3 centre;               // world
     std::array<glm::dvec3, 3> axes;  // unit, world; at right angles unless the node is sheared
     double size_m;                   // the length of an axis
     glm::dvec3 to_eye;               // unit, world
@@ -27,7 +27,7 @@ inline glm::dvec3 square_normal(const GizmoFrame& frame, size_t axis) {
 
 // The point of a ring that is nearest to the eye.
 struct RingFront {
-    glm::dvec3 front;    // unit direction from the middle to that point
+    glm::dvec3 front;    // unit direction from the centre to that point
     glm::dvec3 tangent;  // unit direction of the ring there, counter-clockwise about its axis
     double facing;       // sine of the angle between the line of sight and the ring's plane
 };

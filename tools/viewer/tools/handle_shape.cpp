@@ -35,7 +35,7 @@ bool inside(const HandleShape& shape, glm::dvec2 pointer) {
     return left || right;
 }
 
-double middle_depth(const HandleShape& shape) {
+double centre_depth(const HandleShape& shape) {
     double sum = 0;
     for (uint32_t i = 0; i < shape.count; ++i) sum += shape.points[i].z;
     return sum / shape.count;
@@ -43,7 +43,7 @@ double middle_depth(const HandleShape& shape) {
 
 // The distance of a pointer from a shape as handle_at counts it; INFINITY: too far to grab the shape.
 double cost(const HandleShape& shape, glm::dvec2 pointer) {
-    if (shape.filled && inside(shape, pointer)) return kInside_px + kFront_px * middle_depth(shape);
+    if (shape.filled && inside(shape, pointer)) return kInside_px + kFront_px * centre_depth(shape);
     double min = INFINITY;
     const uint32_t lines = shape.filled ? shape.count : shape.count - 1;
     for (uint32_t i = 0; i < lines; ++i) {
@@ -69,13 +69,13 @@ int handle_at(std::span<const HandleShape> shapes, glm::dvec2 pointer) {
 
 void sort_for_drawing(std::vector<HandleShape>& shapes) {
     std::stable_sort(shapes.begin(), shapes.end(),
-                     [](const HandleShape& a, const HandleShape& b) { return middle_depth(a) > middle_depth(b); });
+                     [](const HandleShape& a, const HandleShape& b) { return centre_depth(a) > centre_depth(b); });
 }
 
 std::optional<glm::dvec3> ShapeView::point(glm::dvec3 world) const {
     const std::optional<glm::dvec2> pixel = editor::pixel_of(camera, world);
     if (!pixel) return std::nullopt;
-    return glm::dvec3(*pixel, (editor::depth_of(camera, world) - middle_depth) / size_m);
+    return glm::dvec3(*pixel, (editor::depth_of(camera, world) - centre_depth) / size_m);
 }
 
 std::optional<HandleShape> line_shape(const ShapeView& view, int handle, glm::vec4 colour,
@@ -110,20 +110,20 @@ std::optional<HandleShape> polygon_shape(const ShapeView& view, int handle, glm:
 
 std::optional<HandleShape> square_shape(const ShapeView& view, int handle, glm::vec4 colour, glm::dvec3 world,
                                         double half_px) {
-    const std::optional<glm::dvec3> middle = view.point(world);
-    if (!middle) return std::nullopt;
+    const std::optional<glm::dvec3> centre = view.point(world);
+    if (!centre) return std::nullopt;
     HandleShape shape{handle, colour, true, 4};
     for (uint32_t i = 0; i < 4; ++i)
-        shape.points[i] = *middle + half_px * glm::dvec3(i == 0 || i == 3 ? -1 : 1, i < 2 ? -1 : 1, 0);
+        shape.points[i] = *centre + half_px * glm::dvec3(i == 0 || i == 3 ? -1 : 1, i < 2 ? -1 : 1, 0);
     return shape;
 }
 
-std::array<glm::dvec3, kMaxShapePoints> arc(glm::dvec3 middle, glm::dvec3 u, glm::dvec3 v, double radius,
+std::array<glm::dvec3, kMaxShapePoints> arc(glm::dvec3 centre, glm::dvec3 u, glm::dvec3 v, double radius,
                                             double half_angle) {
     std::array<glm::dvec3, kMaxShapePoints> points{};
     for (size_t i = 0; i < points.size(); ++i) {
         const double angle = half_angle * (2 * static_cast<double>(i) / (kMaxShapePoints - 1) - 1);
-        points[i] = middle + radius * (u * std::cos(angle) + v * std::sin(angle));
+        points[i] = centre + radius * (u * std::cos(angle) + v * std::sin(angle));
     }
     return points;
 }

@@ -19,7 +19,7 @@ struct HandleShape {
     glm::vec4 colour{1};  // sRGB and opacity, 0 to 1
     bool filled = false;  // a convex polygon; else a line, which is closed where its last point is its first
     uint32_t count = 0;   // of points
-    // x and y in pixels, which may lie outside the image; z is how far behind the gizmo's middle the point lies, in
+    // x and y in pixels, which may lie outside the image; z is how far behind the gizmo's centre the point lies, in
     // sizes of the gizmo.
     std::array<glm::dvec3, kMaxShapePoints> points{};
 };
@@ -33,12 +33,12 @@ int handle_at(std::span<const HandleShape> shapes, glm::dvec2 pointer);
 // Sorts by depth, the farthest first: the order in which shapes are drawn.
 void sort_for_drawing(std::vector<HandleShape>& shapes);
 
-// Converts points of the world to points of shapes: `size_m` in front of `middle` is z = −1, behind it z = 1.
+// Converts points of the world to points of shapes: `size_m` in front of `centre` is z = −1, behind it z = 1.
 struct ShapeView {
     const stage::Camera& camera;
-    double middle_depth, size_m;
-    ShapeView(const stage::Camera& of, glm::dvec3 middle, double size)
-        : camera(of), middle_depth(editor::depth_of(of, middle)), size_m(size) {}
+    double centre_depth, size_m;
+    ShapeView(const stage::Camera& of, glm::dvec3 centre, double size)
+        : camera(of), centre_depth(editor::depth_of(of, centre)), size_m(size) {}
     std::optional<glm::dvec3> point(glm::dvec3 world) const;  // nullopt: not in front of the camera
 };
 
@@ -56,9 +56,9 @@ std::optional<HandleShape> polygon_shape(const ShapeView& view, int handle, glm:
 std::optional<HandleShape> square_shape(const ShapeView& view, int handle, glm::vec4 colour, glm::dvec3 world,
                                         double half_px);
 
-// Points middle + radius · (u cos φ + v sin φ) for φ from −half_angle to half_angle: an arc about `u`, or, with π, a
+// Points centre + radius · (u cos φ + v sin φ) for φ from −half_angle to half_angle: an arc about `u`, or, with π, a
 // circle. `u` and `v` are unit vectors at right angles.
-std::array<glm::dvec3, kMaxShapePoints> arc(glm::dvec3 middle, glm::dvec3 u, glm::dvec3 v, double radius,
+std::array<glm::dvec3, kMaxShapePoints> arc(glm::dvec3 centre, glm::dvec3 u, glm::dvec3 v, double radius,
                                             double half_angle);
 
 }  // namespace neuvv::viewer

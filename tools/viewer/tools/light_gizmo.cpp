@@ -60,8 +60,8 @@ struct LightShapes {
         add(square_shape(view, static_cast<int>(handle), gizmo.colour, at, kSquare_px));
     }
     void add_edge(glm::dvec3 to) { add(edge_shape(gizmo.camera, gizmo.colour, light.position, to)); }
-    void add_circle(LightHandle handle, glm::dvec3 middle, glm::dvec3 normal, glm::dvec3 u, double radius_m) {
-        const auto points = arc(middle, u, glm::cross(normal, u), radius_m, pi);
+    void add_circle(LightHandle handle, glm::dvec3 centre, glm::dvec3 normal, glm::dvec3 u, double radius_m) {
+        const auto points = arc(centre, u, glm::cross(normal, u), radius_m, pi);
         add(line_shape(view, static_cast<int>(handle), gizmo.colour, points));
     }
 };

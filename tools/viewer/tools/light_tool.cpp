@@ -13,7 +13,7 @@ namespace {
 constexpr double kAimDistance_m = 3;  // distance of the aim of a light that shines away from the performers
 
 // The gizmo of the selected light; nullopt: none is selected, or painting is the current mode. The aim is as far away
-// as the middle of the performers.
+// as the centre of the performers.
 std::optional<LightGizmo> light_gizmo_in(const Context& context) {
     const std::optional<uint32_t> node = context.editor.selected();
     const stage::Stage* stage = context.stage_of_document();

@@ -168,8 +168,8 @@ Eye looking_through(const glm::dmat4& world_from_camera, double angle_y, double 
 }
 
 double distance_to(const glm::dmat4& world_from_camera, glm::dvec3 low, glm::dvec3 high) {
-    const glm::dvec3 to_middle = (low + high) / 2.0 - glm::dvec3(world_from_camera[3]);
-    const double depth = -glm::dot(to_middle, glm::normalize(glm::dvec3(world_from_camera[2])));
+    const glm::dvec3 to_centre = (low + high) / 2.0 - glm::dvec3(world_from_camera[3]);
+    const double depth = -glm::dot(to_centre, glm::normalize(glm::dvec3(world_from_camera[2])));
     return clamped_distance(depth > kMinEyeDistance_m ? depth : glm::length(high - low) / 2);
 }
 

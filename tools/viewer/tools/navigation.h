@@ -33,7 +33,7 @@ constexpr double kMinEyeDistance_m = 1e-2, kMaxEyeDistance_m = 1e5;
 constexpr double kMinEyeAngle = 0.01, kMaxEyeAngle = 2.6;
 
 glm::dmat4 world_from_eye(const Eye& eye);  // as Camera::world_from_camera
-// A camera with square pixels and the principal point in the middle of the image.
+// A camera with square pixels and the principal point in the centre of the image.
 stage::Camera camera_of(const Eye& eye, uint32_t width, uint32_t height);
 
 // Turns yaw and pitch about the pivot; a drag over the height of the image is half a revolution. Pitch stops at the
@@ -68,7 +68,7 @@ constexpr double kMaxFlightStep_s = 0.1;
 Eye flown(const Eye& eye, const FlightKeys& keys, double dt_s, double scene_m);
 
 // Moves the eye so that the box (corners `low` and `high`, world) fills 0.9 of the width or of the height of the image,
-// and its middle is the pivot. The direction stays. A box that is a point is looked at from 1 m. A box that is not
+// and its centre is the pivot. The direction stays. A box that is a point is looked at from 1 m. A box that is not
 // finite, or has a coordinate beyond 1e9 m, changes nothing. `aspect` is the width of the image divided by its height.
 Eye framed(const Eye& eye, glm::dvec3 low, glm::dvec3 high, double aspect);
 
@@ -79,7 +79,7 @@ Eye seen_from(const Eye& eye, EyeSide side);
 
 // The eye that sees as a camera does, roll included; its pivot is `distance_m` in front of it.
 Eye looking_through(const glm::dmat4& world_from_camera, double angle_y, double distance_m);
-// The depth of the middle of a box in front of a camera; half of the box's diagonal where the middle is behind it.
+// The depth of the centre of a box in front of a camera; half of the box's diagonal where the centre is behind it.
 double distance_to(const glm::dmat4& world_from_camera, glm::dvec3 low, glm::dvec3 high);
 
 // The eye on a flight between two others, with the smaller rotation: `from` at 0 s, exactly `to` from kEyeMove_s on.

@@ -16,7 +16,7 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr unsigned kGridColour = 0x30ffffff, kAxisX = 0x705050e0, kAxisZ = 0x70e08050;
-constexpr int kGridSize_m = 10;  // from the middle to an edge
+constexpr int kGridSize_m = 10;  // from the centre to an edge
 constexpr glm::vec4 kHotHandle(1, 0.95f, 0.4f, 1);
 
 // Draws over the image, clipped to its area.
@@ -34,9 +34,9 @@ class Drawing {
     void icon(glm::dvec3 position, const char* text, unsigned colour) {
         const auto pixel = editor::pixel_of(context_.frame.camera, position);
         if (!pixel) return;
-        const ImVec2 size = ImGui::CalcTextSize(text), middle = in_window(context_, *pixel);
-        list_.AddCircleFilled(middle, 0.75f * size.y, 0x90000000);
-        list_.AddText({middle.x - size.x / 2, middle.y - size.y / 2}, colour, text);
+        const ImVec2 size = ImGui::CalcTextSize(text), centre = in_window(context_, *pixel);
+        list_.AddCircleFilled(centre, 0.75f * size.y, 0x90000000);
+        list_.AddText({centre.x - size.x / 2, centre.y - size.y / 2}, colour, text);
     }
     void box(glm::dvec3 low, glm::dvec3 high, unsigned colour) {
         for (int axis = 0; axis < 3; ++axis)
@@ -80,7 +80,7 @@ void draw_axes(const Context& context) {
     } kAxes[] = {{"X", 0xff5050e0}, {"Y", 0xff50c060}, {"Z", 0xffe08050}};
     const Area& area = context.frame.image_area;
     const float length = context.ui(28), margin = context.ui(48);
-    const ImVec2 middle{area.left + area.width - margin, area.top + area.height - margin};
+    const ImVec2 centre{area.left + area.width - margin, area.top + area.height - margin};
     const glm::dmat3 eye_from_world = glm::transpose(glm::dmat3(world_from_eye(context.view.eye)));
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     std::array<int, 3> order{0, 1, 2};  // the farthest first
@@ -88,9 +88,9 @@ void draw_axes(const Context& context) {
     for (const int axis : order) {
         const auto [name, colour] = kAxes[axis];
         const glm::vec2 at = length * glm::vec2(eye_from_world[axis]);
-        const ImVec2 end{middle.x + at.x, middle.y - at.y}, size = ImGui::CalcTextSize(name);
-        list.AddLine(middle, end, colour, context.ui(2));
-        const ImVec2 letter{middle.x + 1.35f * at.x, middle.y - 1.35f * at.y};
+        const ImVec2 end{centre.x + at.x, centre.y - at.y}, size = ImGui::CalcTextSize(name);
+        list.AddLine(centre, end, colour, context.ui(2));
+        const ImVec2 letter{centre.x + 1.35f * at.x, centre.y - 1.35f * at.y};
         list.AddText({letter.x - size.x / 2, letter.y - size.y / 2}, colour, name);
     }
 }

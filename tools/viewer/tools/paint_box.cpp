@@ -21,12 +21,12 @@ constexpr unsigned kAxisColours[] = {0xff5a5af0, 0xff6ecb5a, 0xfff0a05a};
 constexpr const char* kSides[] = {"x-low", "y-low", "z-low", "x-high", "y-high", "z-high"};
 
 struct Box {
-    // The middle of a side.
+    // The centre of a side.
     glm::dvec3 low, high;
     glm::dvec3 side(int axis, bool is_high) const {
-        glm::dvec3 middle = 0.5 * (low + high);
-        middle[axis] = is_high ? high[axis] : low[axis];
-        return middle;
+        glm::dvec3 centre = 0.5 * (low + high);
+        centre[axis] = is_high ? high[axis] : low[axis];
+        return centre;
     }
 };
 
@@ -81,17 +81,17 @@ bool PaintTool::drag_box(Context& context, const PaintedPerformer& performer, bo
         const auto at = editor::pixel_of(
             context.frame.camera, glm::dvec3(performer.world_from_performer * glm::dvec4(box.side(i % 3, i >= 3), 1)));
         if (!at) continue;
-        const ImVec2 middle = in_window(context, *at);
+        const ImVec2 centre = in_window(context, *at);
         const bool near = glm::length(*at - pointer) < double{context.ui(kGrab)};
         if (near && context.frame.pointer_in_image && !pointer_used && !over) over = i;
         const bool active = box_drag_ ? box_drag_->axis == i % 3 && box_drag_->high == (i >= 3) : over == i;
         const float half = context.ui(active ? kHandle + 1.5f : kHandle);
         ImDrawList* list = ImGui::GetBackgroundDrawList();
-        list->AddRectFilled({middle.x - half, middle.y - half}, {middle.x + half, middle.y + half},
+        list->AddRectFilled({centre.x - half, centre.y - half}, {centre.x + half, centre.y + half},
                             active ? 0xffffffff : kAxisColours[i % 3], context.ui(1));
-        list->AddRect({middle.x - half, middle.y - half}, {middle.x + half, middle.y + half}, 0xc0000000,
+        list->AddRect({centre.x - half, centre.y - half}, {centre.x + half, centre.y + half}, 0xc0000000,
                       context.ui(1));
-        context.report.area(std::string("paint/box/") + kSides[i], middle.x - half, middle.y - half, 2 * half,
+        context.report.area(std::string("paint/box/") + kSides[i], centre.x - half, centre.y - half, 2 * half,
                             2 * half);
     }
     if (over && !box_drag_ && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {

@@ -111,7 +111,7 @@ void PaintTool::load_image(Context& context) {
     });
 }
 
-// The middle of the stamp is at the pointer.
+// The centre of the stamp is at the pointer.
 Area PaintTool::stamp_area(const Context& context) const {
     const ImVec2 at = ImGui::GetIO().MousePos;
     Area area;

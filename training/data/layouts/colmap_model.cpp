@@ -111,7 +111,7 @@ struct BinaryFile {
 
     void expect(uint64_t count) const {
         if (count > bytes.size() - at)
-            throw InputError(file, place, fmt::format("ends after {} bytes, in the middle", bytes.size()),
+            throw InputError(file, place, fmt::format("ends after {} bytes, in the centre", bytes.size()),
                              "copy the sparse model again");
     }
     template <typename T>

@@ -4,7 +4,7 @@
 //   realitycapture_utils.py has the same, and it agrees in all digits with an XMP file that was exported of the same
 //   camera ("Different rotation of cameras in XMP and CSV" in Epic's forum; the test has its numbers).
 // - f is for a film of 36 mm along the image's longer side. px and py are parts of the longer side, from the image's
-//   middle, as AliceVision and brush read them ("RealityCapture XMP Camera Math": image coordinates are −½ to ½).
+//   centre, as AliceVision and brush read them ("RealityCapture XMP Camera Math": image coordinates are −½ to ½).
 // - k1, k2, k3 are Brown's radial terms r², r⁴, r⁶. Programs disagree about the order of t1 and t2, and no lens of
 //   lens.h has a term r⁸ (k4), so these must be 0, as they are with RealityCapture's own choice, Brown3.
 #include "training/data/layouts/loaders.h"
