@@ -6,7 +6,7 @@
 #include "shared/debug.h"
 
 layout(binding = kDebugBinding, std430) buffer DebugBuffer {
-    DebugHead debug_head;
+    DebugHeader debug_head;
     DebugRecord debug_records[];
 };
 

@@ -98,7 +98,7 @@ void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& 
         if (!std::filesystem::exists(piece.source.file, ignored))
             throw InputError(piece.source.file.string(), "", "is not there",
                              "train the clip to its end: the command that began it, with --resume");
-        if (!voctree::is_plenoctree(piece.source.file)) voctree::read_segment_head(piece.source);
+        if (!voctree::is_plenoctree(piece.source.file)) voctree::read_segment_header(piece.source);
     }
     expect_one_frame(pieces);
     catch_stop_signals();

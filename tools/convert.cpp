@@ -114,7 +114,7 @@ void convert_file(const gpu::Device& device, const voctree::ClipSegment& file, c
 // Each segment keeps the quality by itself.
 Outcome convert_segments(const gpu::Device& device, const ConvertOptions& options) {
     const voctree::ClipIndex index = voctree::read_clip_index(options.scene);
-    for (const voctree::ClipSegment& segment : index.segments) voctree::read_segment_head(segment);
+    for (const voctree::ClipSegment& segment : index.segments) voctree::read_segment_header(segment);
     const UnfinishedClip clip(options.output);
     voctree::ClipIndex smaller = index;
     Outcome outcome;

@@ -30,12 +30,12 @@ struct InfoOptions {
     bool json = false, check = false, memory = false;
 };
 
-uint32_t weights_per_leaf(const voctree::NvvHead& head) {
-    return 2 * head.bases + 3 * hh_count(head.hh_degree);
+uint32_t weights_per_leaf(const voctree::NvvHeader& header) {
+    return 2 * header.bases + 3 * hh_count(header.hh_degree);
 }
 
-double clip_seconds(const voctree::NvvHead& head) {
-    return head.frames / static_cast<double>(head.fps);
+double clip_seconds(const voctree::NvvHeader& header) {
+    return header.frames / static_cast<double>(header.fps);
 }
 
 // A PlenOctree as the clip that it is played as; it has no version and no chunks.
@@ -46,7 +46,7 @@ voctree::NvvSummary summary_of_plenoctree(const std::string& file) {
     if (infinite > 0) say("neuvv: leaves whose density is limited to {} per metre: {}\n", voctree::kMaxHalf, infinite);
     voctree::NvvSummary summary;
     summary.file_bytes = std::filesystem::file_size(file);
-    summary.head = voctree::head_of(tree);
+    summary.header = voctree::header_of(tree);
     return summary;
 }
 
@@ -55,8 +55,8 @@ bool is_nvv(const voctree::NvvSummary& summary) {
 }
 
 nlohmann::ordered_json json_of(const InfoOptions& options, const voctree::NvvSummary& summary) {
-    const voctree::NvvHead& head = summary.head;
-    const glm::vec3 low = head.box_min, high = head.box_min + head.box_size;
+    const voctree::NvvHeader& header = summary.header;
+    const glm::vec3 low = header.box_min, high = header.box_min + header.box_size;
     auto chunks = nlohmann::ordered_json::array();
     for (const voctree::NvvSummary::Chunk& chunk : summary.chunks)
         chunks.push_back({{"name", chunk.name}, {"raw_bytes", chunk.raw_bytes}, {"stored_bytes", chunk.stored_bytes}});
@@ -66,33 +66,33 @@ nlohmann::ordered_json json_of(const InfoOptions& options, const voctree::NvvSum
             {"bytes", summary.file_bytes},
             {"box", {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}}},
             {"capture", capture_json(options.file)},
-            {"node_levels", head.node_levels},
-            {"cells_per_side", 1u << (2 * head.node_levels)},
-            {"nodes", head.node_count},
-            {"leaves", head.leaf_count},
-            {"bases", head.bases},
-            {"hh_degree", head.hh_degree},
-            {"weights_per_leaf", weights_per_leaf(head)},
-            {"frames", head.frames},
-            {"fps", head.fps},
-            {"seconds", clip_seconds(head)},
+            {"node_levels", header.node_levels},
+            {"cells_per_side", 1u << (2 * header.node_levels)},
+            {"nodes", header.node_count},
+            {"leaves", header.leaf_count},
+            {"bases", header.bases},
+            {"hh_degree", header.hh_degree},
+            {"weights_per_leaf", weights_per_leaf(header)},
+            {"frames", header.frames},
+            {"fps", header.fps},
+            {"seconds", clip_seconds(header)},
             {"chunks", chunks},
             {"checked", options.check}};
 }
 
 void print(const InfoOptions& options, const voctree::NvvSummary& summary) {
-    const voctree::NvvHead& head = summary.head;
-    const glm::vec3 low = head.box_min, high = head.box_min + head.box_size;
+    const voctree::NvvHeader& header = summary.header;
+    const glm::vec3 low = header.box_min, high = header.box_min + header.box_size;
     tell("{}: {}, {}\n", options.file, is_nvv(summary) ? fmt::format(".nvv version {}", summary.version) : "PlenOctree",
          size_text(summary.file_bytes));
-    tell("clip    {} frames at {} fps, {:.2f} s\n", head.frames, head.fps, clip_seconds(head));
+    tell("clip    {} frames at {} fps, {:.2f} s\n", header.frames, header.fps, clip_seconds(header));
     tell("box     ({:.3f}, {:.3f}, {:.3f}) to ({:.3f}, {:.3f}, {:.3f}) m\n", low.x, low.y, low.z, high.x, high.y,
          high.z);
     tell("{}", capture_line(options.file));
-    tell("octree  {} leaves in {} nodes of {} levels, up to {} cells a side\n", head.leaf_count, head.node_count,
-         head.node_levels, 1u << (2 * head.node_levels));
-    tell("leaf    {} weights: C = {} twice, n_max = {} ({} functions) for R, G, B\n", weights_per_leaf(head),
-         head.bases, head.hh_degree, hh_count(head.hh_degree));
+    tell("octree  {} leaves in {} nodes of {} levels, up to {} cells a side\n", header.leaf_count, header.node_count,
+         header.node_levels, 1u << (2 * header.node_levels));
+    tell("leaf    {} weights: C = {} twice, n_max = {} ({} functions) for R, G, B\n", weights_per_leaf(header),
+         header.bases, header.hh_degree, hh_count(header.hh_degree));
     for (const voctree::NvvSummary::Chunk& chunk : summary.chunks) {
         const double share =
             static_cast<double>(chunk.stored_bytes) / std::max(1.0, static_cast<double>(chunk.raw_bytes));
@@ -154,10 +154,10 @@ SegmentProblems print_segments(const InfoOptions& options) {
             }
             const voctree::NvvSummary summary = voctree::summarise_nvv(segment.file);
             if (options.check) voctree::read_segment(segment);
-            json.back().update({{"bytes", summary.file_bytes}, {"leaves", summary.head.leaf_count}});
-            lines += fmt::format(" {:>10}  {} leaves", size_text(summary.file_bytes), summary.head.leaf_count);
+            json.back().update({{"bytes", summary.file_bytes}, {"leaves", summary.header.leaf_count}});
+            lines += fmt::format(" {:>10}  {} leaves", size_text(summary.file_bytes), summary.header.leaf_count);
             bytes += summary.file_bytes;
-            leaves += summary.head.leaf_count;
+            leaves += summary.header.leaf_count;
         } catch (const InputError& problem) {
             problems.damaged = true;
             json.back()["problem"] = problem.what();

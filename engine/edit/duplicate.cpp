@@ -75,13 +75,13 @@ stage::Timeline timeline_of(const stage::StageFile& file, uint32_t node) {
     const ordered_json& performer = performer_of(file, node);
     const std::string name = file.path.string(), place = title_of(file, node) + ": time";
     const stage::TimeMap map = stage::time_map_of(performer.value("time", ordered_json::array()), name, place);
-    voctree::ClipHead head{};
+    voctree::ClipHeader header{};
     try {
-        head = voctree::read_clip_head(clip);
+        header = voctree::read_clip_header(clip);
     } catch (const InputError& problem) {
         throw InputError(name, title_of(file, node), problem.what(), "copies that are later need its clip");
     }
-    return stage::timeline_of(map, head.frames, static_cast<double>(head.fps), name, place);
+    return stage::timeline_of(map, header.frames, static_cast<double>(header.fps), name, place);
 }
 
 // Makes a performer's copy later and faster spinning.

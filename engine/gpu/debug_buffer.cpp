@@ -19,18 +19,18 @@ void set_shader_message_sink(std::function<void(const std::string&)> sink) {
 }
 
 DebugBuffer::DebugBuffer(const Device& device)
-    : buffer_(device, "shader debug", sizeof(DebugHead) + kMaxDebugRecords * sizeof(DebugRecord),
+    : buffer_(device, "shader debug", sizeof(DebugHeader) + kMaxDebugRecords * sizeof(DebugRecord),
               MemoryKind::kReadback) {
-    *buffer_.as<DebugHead>() = {};
+    *buffer_.as<DebugHeader>() = {};
 }
 
 std::vector<DebugRecord> DebugBuffer::drain(uint64_t& lost) {
     const std::lock_guard lock(mutex_);
-    auto* head = buffer_.as<DebugHead>();
+    auto* header = buffer_.as<DebugHeader>();
     const uint32_t count = std::min(head->count, kMaxDebugRecords);
     lost = head->count - count;
     std::vector<DebugRecord> records(count);
-    if (count > 0) std::memcpy(records.data(), head + 1, count * sizeof(DebugRecord));
+    if (count > 0) std::memcpy(records.data(), header + 1, count * sizeof(DebugRecord));
     head->count = 0;
     return records;
 }

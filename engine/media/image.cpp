@@ -202,7 +202,7 @@ bool begin_jpeg(JpegReader& reader, const uint8_t* bytes, size_t size) {
 }
 
 // Reads a JPEG's header, with Exif; false where it has none.
-bool read_jpeg_head(JpegReader& reader, std::FILE* file) {
+bool read_jpeg_header(JpegReader& reader, std::FILE* file) {
     reader.info.err = jpeg_std_error(&reader.errors);
     reader.errors.error_exit = on_jpeg_error;
     reader.errors.emit_message = on_jpeg_message;
@@ -215,22 +215,22 @@ bool read_jpeg_head(JpegReader& reader, std::FILE* file) {
     return true;
 }
 
-ImageHead jpeg_head(std::FILE* file, const std::string& name) {
+ImageHeader jpeg_header(std::FILE* file, const std::string& name) {
     JpegReader reader;
-    if (!read_jpeg_head(reader, file))
+    if (!read_jpeg_header(reader, file))
         throw InputError(name, "", fmt::format("damaged or unsupported JPEG: {}", reader.message),
                          "export the image again, as RGB or grey");
-    ImageHead head{{reader.info.image_width, reader.info.image_height}};
+    ImageHeader header{{reader.info.image_width, reader.info.image_height}};
     for (const jpeg_marker_struct* marker = reader.info.marker_list; marker; marker = marker->next)
         if (marker->marker == kExifMarker && marker->data_length >= sizeof(kExif) &&
             std::memcmp(marker->data, kExif, sizeof(kExif)) == 0)
-            head.orientation = exif_orientation(marker->data + sizeof(kExif), marker->data_length - sizeof(kExif));
-    return head;
+            header.orientation = exif_orientation(marker->data + sizeof(kExif), marker->data_length - sizeof(kExif));
+    return header;
 }
 
 // The size, and the Exif of a chunk before the pixels.
-ImageHead png_head(std::FILE* file, const std::string& name) {
-    ImageHead head;
+ImageHeader png_header(std::FILE* file, const std::string& name) {
+    ImageHeader header;
     bool has_size = false;
     uint8_t chunk[8];
     std::vector<uint8_t> data;
@@ -240,33 +240,33 @@ ImageHead png_head(std::FILE* file, const std::string& name) {
         data.resize((is_header || is_exif) && bytes <= kMaxMarkerBytes ? bytes : 0);
         if (std::fread(data.data(), 1, data.size(), file) != data.size()) break;
         if (is_header && data.size() >= 8) {
-            head.stored = {big_endian_32(&data[0]), big_endian_32(&data[4])};
+            header.stored = {big_endian_32(&data[0]), big_endian_32(&data[4])};
             has_size = true;
         }
-        if (is_exif) head.orientation = exif_orientation(data.data(), data.size());
+        if (is_exif) header.orientation = exif_orientation(data.data(), data.size());
         if (std::fseek(file, static_cast<long>(bytes - data.size()) + 4, SEEK_CUR) != 0) break;
     }
     if (!has_size) throw InputError(name, "IHDR", "truncated or damaged PNG", "export the image again");
-    return head;
+    return header;
 }
 
 using OwnedFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
-ImageHead head_of(std::FILE* file, const std::string& name) {
+ImageHeader header_of(std::FILE* file, const std::string& name) {
     uint8_t start[sizeof(kPng)] = {};
     const size_t got = std::fread(start, 1, sizeof(start), file);
-    ImageHead head;
+    ImageHeader header;
     if (got == sizeof(start) && std::memcmp(start, kPng, sizeof(kPng)) == 0) {
-        head = png_head(file, name);
+        header = png_header(file, name);
     } else if (got == sizeof(start) && std::memcmp(start, kJpeg, sizeof(kJpeg)) == 0) {
         std::rewind(file);
-        head = jpeg_head(file, name);
+        header = jpeg_header(file, name);
     } else {
         throw InputError(name, "", got == 0 ? "the file is empty or no file" : "is neither a PNG nor a JPEG",
                          "convert the image to PNG");
     }
-    check_size(head.stored.width, head.stored.height, name);
-    return head;
+    check_size(header.stored.width, header.stored.height, name);
+    return header;
 }
 
 bool finish_jpeg(JpegReader& reader, uint8_t* rgba) {
@@ -350,19 +350,19 @@ Image decode_image(const uint8_t* bytes, size_t size, const std::string& name) {
                      "convert the image to PNG");
 }
 
-ImageHead image_head(const std::filesystem::path& path) {
+ImageHeader image_header(const std::filesystem::path& path) {
     expect_regular_file(path);
     const OwnedFile file(std::fopen(path.c_str(), "rb"), std::fclose);
     if (!file) throw InputError(path.string(), "", fmt::format("cannot open: {}", std::strerror(errno)));
-    return head_of(file.get(), path.string());
+    return header_of(file.get(), path.string());
 }
 
-ImageHead image_head(const uint8_t* bytes, size_t size, const std::string& name) {
+ImageHeader image_header(const uint8_t* bytes, size_t size, const std::string& name) {
     if (size == 0) throw InputError(name, "", "the file is empty", "convert the image to PNG");
     // It is only read.
     const OwnedFile file(fmemopen(const_cast<uint8_t*>(bytes), size, "rb"), std::fclose);
     if (!file) throw std::bad_alloc();
-    return head_of(file.get(), name);
+    return header_of(file.get(), name);
 }
 
 void expect_content(ImageSize size, uint64_t bytes, const std::string& name) {
@@ -377,7 +377,7 @@ Image read_png(const std::filesystem::path& path) {
     const std::vector<uint8_t> bytes = read_file(path, kMaxImageFileBytes);
     if (bytes.size() >= 2 && bytes[0] == 0xff && bytes[1] == 0xd8)
         throw InputError(path.string(), "", "is a JPEG, not a PNG", "convert the image to PNG");
-    expect_content(image_head(bytes.data(), bytes.size(), path.string()).stored, bytes.size(), path.string());
+    expect_content(image_header(bytes.data(), bytes.size(), path.string()).stored, bytes.size(), path.string());
     return decode_image(bytes.data(), bytes.size(), path.string());
 }
 

@@ -36,12 +36,12 @@ Image shown(Image stored, Orientation orientation);
 Orientation exif_orientation(const uint8_t* tiff, size_t bytes);
 // The size of a PNG or JPEG in pixels, and how it is to be shown, by its header alone: the rest may be damaged. Throws
 // InputError.
-struct ImageHead {
+struct ImageHeader {
     ImageSize stored;
     Orientation orientation = Orientation::kUpright;
 };
-ImageHead image_head(const std::filesystem::path& path);
-ImageHead image_head(const uint8_t* bytes, size_t size, const std::string& name);
+ImageHeader image_header(const std::filesystem::path& path);
+ImageHeader image_header(const uint8_t* bytes, size_t size, const std::string& name);
 // By the nine numbers of an MP4's or QuickTime's matrix; nothing where it turns by other than quarters.
 std::optional<Orientation> matrix_orientation(const int32_t matrix[9]);
 

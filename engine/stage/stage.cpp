@@ -39,9 +39,10 @@ uint32_t clip_of(Stage& stage, const std::filesystem::path& path, const StagePer
     for (uint32_t i = 0; i < stage.clips.size(); ++i)
         if (stage.clips[i].path == path) return i;
     try {
-        const voctree::ClipHead head = voctree::read_clip_head(path);
-        if (!(head.fps > 0) || head.frames == 0) throw InputError(path.string(), "HEAD", "has no frames or no rate");
-        stage.clips.push_back({path, head.frames, static_cast<double>(head.fps), head.box_min, head.box_size,
+        const voctree::ClipHeader header = voctree::read_clip_header(path);
+        if (!(header.fps > 0) || header.frames == 0)
+            throw InputError(path.string(), "HEAD", "has no frames or no rate");
+        stage.clips.push_back({path, header.frames, static_cast<double>(header.fps), header.box_min, header.box_size,
                                std::make_shared<const voctree::ClipIndex>(voctree::read_clip_index(path))});
     } catch (const InputError& problem) {
         throw InputError(stage.file.path.string(), fmt::format("{}/uri of \"{}\"", place, performer.name),

@@ -179,17 +179,17 @@ void count(const FrameSymbols& frame, Counts& counts) {
         for (const SymbolWriter& stream : *streams) stream.count(counts);
 }
 
-// A head and the shape; of the other parts the lengths of the streams, then these.
+// A header and the shape; of the other parts the lengths of the streams, then these.
 FrameBytes bytes_of(const FrameSymbols& frame, const Tables& tables) {
     FrameBytes result;
-    std::vector<uint8_t>& head = result.parts[kShape];
-    append_number(head, frame.is_key ? 1 : 0, 1);
-    append_number(head, frame.leaf_count, 4);
-    for (const uint16_t step : frame.steps) append_number(head, step, 2);
-    for (const int16_t root : frame.roots) append_number(head, static_cast<uint16_t>(root), 2);
+    std::vector<uint8_t>& header = result.parts[kShape];
+    append_number(header, frame.is_key ? 1 : 0, 1);
+    append_number(header, frame.leaf_count, 4);
+    for (const uint16_t step : frame.steps) append_number(header, step, 2);
+    for (const int16_t root : frame.roots) append_number(header, static_cast<uint16_t>(root), 2);
     const std::vector<uint8_t> shape = frame.shape.bytes(tables);
-    append_number(head, shape.size(), 4);
-    head.insert(head.end(), shape.begin(), shape.end());
+    append_number(header, shape.size(), 4);
+    header.insert(header.end(), shape.begin(), shape.end());
     for (const Part part : {kCoarse, kShCoarse, kFine, kShFine}) {
         const auto [first, end] = planes_of_part(part, static_cast<uint32_t>(frame.roots.size()));
         const auto& streams = part == kCoarse || part == kShCoarse ? frame.coarse : frame.fine;

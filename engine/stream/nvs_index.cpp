@@ -17,7 +17,7 @@ namespace neuvv::stream {
 namespace {
 
 constexpr uint32_t kVersion = 2;
-// Bytes in the head: of a group, of a frame, and of the check at the end.
+// Bytes in the header: of a group, of a frame, and of the check at the end.
 constexpr uint64_t kGroupBytes = 64, kFrameBytes = 4 + 8 * kParts, kCheckBytes = 4;
 constexpr float kLeastBox = 1e-6f;  // metres
 
@@ -29,7 +29,7 @@ float read_float(ByteReader& reader) {
     return std::bit_cast<float>(static_cast<uint32_t>(reader.number(4)));
 }
 
-// The frame stands in bytes that readers ignored before: of the head, and of the first group.
+// The frame stands in bytes that readers ignored before: of the header, and of the first group.
 void append_origin_xy(std::vector<uint8_t>& bytes, const CaptureFrame& frame) {
     append_number(bytes, static_cast<uint32_t>(frame.origin[0]), 4);
     append_number(bytes, static_cast<uint32_t>(frame.origin[1]), 4);
@@ -61,7 +61,7 @@ int32_t read_coordinate(ByteReader& reader) {
 int16_t read_exponent(ByteReader& reader) {
     const auto exponent = static_cast<int16_t>(reader.number(2));
     if (std::abs(exponent) > CaptureFrame::kMostExponent)
-        throw BadHead("the index", "says no place of a capture", kPublishAgain);
+        throw BadHeader("the index", "says no place of a capture", kPublishAgain);
     return exponent;
 }
 
@@ -90,7 +90,7 @@ Group read_group(ByteReader& reader, CaptureFrame* frame) {
 // Throws where the numbers of a group are out of bounds.
 void expect_sound(const Group& group, const Index& index, uint64_t offset) {
     const auto fail = [&](const char* problem) {
-        throw BadHead(fmt::format("the group of frame {}", group.first), problem, kPublishAgain);
+        throw BadHeader(fmt::format("the group of frame {}", group.first), problem, kPublishAgain);
     };
     if (group.frames < 1 || group.frames > kMaxGroupFrames || group.first + group.frames > index.frames.size())
         fail("has a number of frames that cannot be");
@@ -106,9 +106,9 @@ void expect_sound(const Group& group, const Index& index, uint64_t offset) {
 }
 
 // Sets the first frame of each group. Throws where the groups do not follow each other to the end of the file.
-void link_groups(Index& index, uint64_t head_size, uint64_t file_bytes) {
+void link_groups(Index& index, uint64_t header_size, uint64_t file_bytes) {
     uint32_t first = 0;
-    uint64_t offset = head_size;
+    uint64_t offset = header_size;
     for (Group& group : index.groups) {
         group.first = first;
         expect_sound(group, index, offset);
@@ -116,8 +116,9 @@ void link_groups(Index& index, uint64_t head_size, uint64_t file_bytes) {
         for (uint32_t i = 0; i < group.frames; ++i) offset += index.frames[first + i].all_bytes();
         first += group.frames;
     }
-    if (first != index.frames.size()) throw BadHead("the index", "has frames without a group", kPublishAgain);
-    if (offset != file_bytes) throw BadHead("", fmt::format("has {} bytes, not {}", file_bytes, offset), kPublishAgain);
+    if (first != index.frames.size()) throw BadHeader("the index", "has frames without a group", kPublishAgain);
+    if (offset != file_bytes)
+        throw BadHeader("", fmt::format("has {} bytes, not {}", file_bytes, offset), kPublishAgain);
 }
 
 }  // namespace
@@ -157,7 +158,7 @@ ByteRange Index::place_of_group(uint32_t number, Part last) const {
     return range;
 }
 
-uint64_t head_bytes(uint64_t groups, uint64_t frames) {
+uint64_t header_bytes(uint64_t groups, uint64_t frames) {
     return kFixedBytes + groups * kGroupBytes + frames * kFrameBytes + kCheckBytes;
 }
 
@@ -179,22 +180,22 @@ std::vector<uint8_t> bytes_of(const Index& index) {
     return bytes;
 }
 
-uint64_t read_head_size(std::span<const uint8_t> fixed) {
+uint64_t read_header_size(std::span<const uint8_t> fixed) {
     ByteReader reader{fixed.subspan(sizeof kMagic)};
     const uint64_t version = reader.number(4), frames = reader.number(4), groups = reader.number(4);
     if (version != kVersion)
-        throw BadHead("the head", fmt::format("is of version {}", version),
-                      version < kVersion ? kPublishAgain : "open it with a newer neuvv");
+        throw BadHeader("the header", fmt::format("is of version {}", version),
+                        version < kVersion ? kPublishAgain : "open it with a newer neuvv");
     const float fps = read_float(reader);
     if (frames < 1 || frames > kMaxStreamFrames || groups < 1 || groups > frames || !(fps >= 1e-3f) || !(fps <= 1e4f))
-        throw BadHead("the head", "has numbers that cannot be", kPublishAgain);
-    return head_bytes(groups, frames);
+        throw BadHeader("the header", "has numbers that cannot be", kPublishAgain);
+    return header_bytes(groups, frames);
 }
 
-Index read_index(std::span<const uint8_t> head, uint64_t file_bytes) {
-    const std::span<const uint8_t> checked = head.first(head.size() - kCheckBytes);
-    if (ByteReader(head.last(kCheckBytes)).number(4) != check_of(checked))
-        throw BadHead("the index", "is damaged", kPublishAgain);
+Index read_index(std::span<const uint8_t> header, uint64_t file_bytes) {
+    const std::span<const uint8_t> checked = header.first(header.size() - kCheckBytes);
+    if (ByteReader(header.last(kCheckBytes)).number(4) != check_of(checked))
+        throw BadHeader("the index", "is damaged", kPublishAgain);
     ByteReader reader(checked.subspan(sizeof kMagic + 4));
     Index index;
     index.frames.resize(reader.number(4));
@@ -206,12 +207,13 @@ Index read_index(std::span<const uint8_t> head, uint64_t file_bytes) {
         index.groups[i] = read_group(reader, i == 0 ? &index.capture : nullptr);
     for (FrameEntry& frame : index.frames) {
         const uint64_t flag = reader.number(4);
-        if (flag > 1) throw BadHead("the index", "has frames of a kind that this program does not know", kPublishAgain);
+        if (flag > 1)
+            throw BadHeader("the index", "has frames of a kind that this program does not know", kPublishAgain);
         frame.is_key = flag == 1;
         for (uint32_t& count : frame.bytes) count = static_cast<uint32_t>(reader.number(4));
         for (uint32_t& check : frame.checks) check = static_cast<uint32_t>(reader.number(4));
     }
-    link_groups(index, head.size(), file_bytes);
+    link_groups(index, header.size(), file_bytes);
     return index;
 }
 

@@ -1,5 +1,5 @@
-// The head of a .nvs file, a clip as slices, compressed, that can be played from any of its groups of frames on: which
-// groups and frames there are, and where their bytes stand. engine/stream/README.md specifies the bytes.
+// The header of a .nvs file, a clip as slices, compressed, that can be played from any of its groups of frames on:
+// which groups and frames there are, and where their bytes stand. engine/stream/README.md specifies the bytes.
 #pragma once
 
 #include <array>
@@ -54,24 +54,24 @@ constexpr uint32_t kMaxGroupFrames = 1000;
 constexpr uint32_t kMaxStreamLeaves = 1u << 24;  // of a frame
 
 constexpr char kMagic[8] = {'N', 'V', 'S', 't', 'r', 'e', 'a', 'm'};
-constexpr uint64_t kFixedBytes = 32;  // with which the head begins: its numbers of frames and groups
+constexpr uint64_t kFixedBytes = 32;  // with which the header begins: its numbers of frames and groups
 
-// Bytes of the head.
-uint64_t head_bytes(uint64_t groups, uint64_t frames);
+// Bytes of the header.
+uint64_t header_bytes(uint64_t groups, uint64_t frames);
 std::vector<uint8_t> bytes_of(const Index& index);
 
 constexpr const char* kPublishAgain = "publish the clip again";  // what mends a damaged stream
 
-// A head that cannot be: `place` is in it, empty where it is the file as a whole.
-struct BadHead : std::runtime_error {
-    BadHead(std::string where, const std::string& problem, std::string mend)
+// A header that cannot be: `place` is in it, empty where it is the file as a whole.
+struct BadHeader : std::runtime_error {
+    BadHeader(std::string where, const std::string& problem, std::string mend)
         : std::runtime_error(problem), place(std::move(where)), fix(std::move(mend)) {}
     std::string place, fix;
 };
-// How many bytes the head has that begins with these kFixedBytes. Throws BadHead.
-uint64_t read_head_size(std::span<const uint8_t> fixed);
-// The whole head of a file of so many bytes. Throws BadHead.
-Index read_index(std::span<const uint8_t> head, uint64_t file_bytes);
+// How many bytes the header has that begins with these kFixedBytes. Throws BadHeader.
+uint64_t read_header_size(std::span<const uint8_t> fixed);
+// The whole header of a file of so many bytes. Throws BadHeader.
+Index read_index(std::span<const uint8_t> header, uint64_t file_bytes);
 
 // CRC-32 as zip has it.
 uint32_t check_of(std::span<const uint8_t> bytes);

@@ -67,11 +67,11 @@ Reader::Reader(const std::filesystem::path& path) : path_(path) {
     };
     expect_stream(is_stream(path_));
     source_ = open_source(path_);
-    const std::vector<uint8_t> fixed = bytes_at({0, kFixedBytes}, "the head");
+    const std::vector<uint8_t> fixed = bytes_at({0, kFixedBytes}, "the header");
     expect_stream(std::memcmp(fixed.data(), kMagic, sizeof kMagic) == 0);
     try {
-        index_ = read_index(bytes_at({0, read_head_size(fixed)}, "the index"), source_->size());
-    } catch (const BadHead& bad) {
+        index_ = read_index(bytes_at({0, read_header_size(fixed)}, "the index"), source_->size());
+    } catch (const BadHeader& bad) {
         failed_ = true;
         source_->forget_copies();
         throw InputError(path_.string(), bad.place, bad.what(), bad.fix);

@@ -43,7 +43,7 @@ Writer::Writer(const std::filesystem::path& path, float fps, uint32_t frames, ui
     index_.capture = capture;
     index_.frames.reserve(frames);
     index_.groups.reserve(groups);
-    write(std::vector<uint8_t>(head_bytes(groups, frames)));
+    write(std::vector<uint8_t>(header_bytes(groups, frames)));
 }
 
 void Writer::write(const std::vector<uint8_t>& bytes) {
@@ -71,14 +71,14 @@ uint64_t Writer::add(Group group, const std::vector<FrameSymbols>& frames) {
     for (uint32_t part = 0; part < kParts; ++part)
         for (const FrameBytes& frame : bytes.frames) write(frame.parts[part]);
     index_.groups.push_back(group);
-    return next_ - group.offset + head_bytes(1, frames.size());
+    return next_ - group.offset + header_bytes(1, frames.size());
 }
 
 uint64_t Writer::finish() {
-    assert(head_bytes(index_.groups.size(), index_.frames.size()) == index_.groups[0].offset &&
+    assert(header_bytes(index_.groups.size(), index_.frames.size()) == index_.groups[0].offset &&
            "as many groups and frames as the constructor was told");
-    const std::vector<uint8_t> head = bytes_of(index_);
-    file_.write_at(0, head.data(), head.size());
+    const std::vector<uint8_t> header = bytes_of(index_);
+    file_.write_at(0, header.data(), header.size());
     file_.finish();
     return next_;
 }

@@ -17,7 +17,7 @@ struct DebugRecord {
     uvec4 words;
 };
 
-struct DebugHead {
+struct DebugHeader {
     uint count;  // of appended records, including those beyond kMaxDebugRecords, which are lost
     uint pad0;
     uint pad1;
@@ -28,6 +28,6 @@ NEUVV_SHARED_END
 
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::DebugRecord) == 32);
-static_assert(sizeof(neuvv::DebugHead) == 16);
+static_assert(sizeof(neuvv::DebugHeader) == 16);
 #endif
 #endif

@@ -56,23 +56,23 @@ TEST(Orientation, PixelsGoWhereExifSays) {
 
 TEST(Orientation, IsReadFromJpegs) {
     const TemporaryFolder folder;
-    const auto head_of = [&](const std::string& bytes) {
+    const auto header_of = [&](const std::string& bytes) {
         write_text(folder.path / "a.jpg", bytes);
-        const media::ImageHead head = media::image_head(folder.path / "a.jpg");
-        const media::ImageHead same =
-            media::image_head(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size(), "a.jpg");
-        EXPECT_EQ(head.stored, (media::ImageSize{16, 8}));
-        EXPECT_EQ(same.stored, head.stored);
-        EXPECT_EQ(same.orientation, head.orientation);
-        return head.orientation;
+        const media::ImageHeader header = media::image_header(folder.path / "a.jpg");
+        const media::ImageHeader same =
+            media::image_header(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size(), "a.jpg");
+        EXPECT_EQ(header.stored, (media::ImageSize{16, 8}));
+        EXPECT_EQ(same.stored, header.stored);
+        EXPECT_EQ(same.orientation, header.orientation);
+        return header.orientation;
     };
-    EXPECT_EQ(head_of(jpeg("")), Orientation::kUpright);
+    EXPECT_EQ(header_of(jpeg("")), Orientation::kUpright);
     for (int i = 1; i <= 8; ++i)
-        for (const bool big : {false, true}) EXPECT_EQ(head_of(jpeg(exif(i, big))), static_cast<Orientation>(i));
-    for (const int wrong : {0, 9, 65535}) EXPECT_EQ(head_of(jpeg(exif(wrong, true))), Orientation::kUpright);
+        for (const bool big : {false, true}) EXPECT_EQ(header_of(jpeg(exif(i, big))), static_cast<Orientation>(i));
+    for (const int wrong : {0, 9, 65535}) EXPECT_EQ(header_of(jpeg(exif(wrong, true))), Orientation::kUpright);
     const std::string whole = exif(6, false);
     for (size_t length = 1; length < 34; ++length)  // until the tag is whole
-        EXPECT_EQ(head_of(jpeg(whole.substr(0, length))), Orientation::kUpright) << length;
+        EXPECT_EQ(header_of(jpeg(whole.substr(0, length))), Orientation::kUpright) << length;
 }
 
 TEST(Orientation, IsReadFromPngs) {
@@ -88,10 +88,10 @@ TEST(Orientation, IsReadFromPngs) {
     const std::string with_exif = bytes.substr(0, 33) + big_endian(static_cast<uint32_t>(data.size())) + "eXIf" + data +
                                   big_endian(0) + bytes.substr(33);
     write_text(folder.path / "a.png", with_exif);
-    EXPECT_EQ(media::image_head(folder.path / "a.png").orientation, Orientation::kTurned270);
-    EXPECT_EQ(media::image_head(folder.path / "a.png").stored, (media::ImageSize{3, 2}));
+    EXPECT_EQ(media::image_header(folder.path / "a.png").orientation, Orientation::kTurned270);
+    EXPECT_EQ(media::image_header(folder.path / "a.png").stored, (media::ImageSize{3, 2}));
     write_text(folder.path / "b.png", bytes);
-    EXPECT_EQ(media::image_head(folder.path / "b.png").orientation, Orientation::kUpright);
+    EXPECT_EQ(media::image_header(folder.path / "b.png").orientation, Orientation::kUpright);
 }
 
 constexpr int32_t kOne = 1 << 16;

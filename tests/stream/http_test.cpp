@@ -63,7 +63,7 @@ TEST_F(HttpTest, WhatWasPlayedComesFromTheDisk) {
     for (const uint32_t frame : {0u, 1u, 2u}) EXPECT_EQ(again.frame(frame)->planes, decoded[frame].planes);
 }
 
-// A head of more than a block: what was damaged on its way must not be read from the disk again.
+// A header of more than a block: what was damaged on its way must not be read from the disk again.
 TEST_F(HttpTest, ADamagedHeadIsNotKept) {
     constexpr uint32_t kGroups = 2, kFrames = 800;
     stream::Writer writer(file, 25, kGroups * kFrames, kGroups);
@@ -75,7 +75,7 @@ TEST_F(HttpTest, ADamagedHeadIsNotKept) {
     group.format = {2, 0, 100};
     for (uint32_t i = 0; i < kGroups; ++i) writer.add(group, std::vector(kFrames, frame));
     writer.finish();
-    ASSERT_GT(stream::head_bytes(kGroups, kGroups * kFrames), stream::HttpSource::kBlock);
+    ASSERT_GT(stream::header_bytes(kGroups, kGroups * kFrames), stream::HttpSource::kBlock);
     expect_input_error([&] { stream::Reader reader(address("damaged-second")); }, {"the index", "damaged"});
     stream::Reader again(address("damaged-second"));
     EXPECT_EQ(again.frame(kFrames)->planes, first.planes);

@@ -93,7 +93,7 @@ TEST_F(NvsTest, RemembersWhereItIsInItsCapture) {
         ASSERT_EQ(same.size(), plain.size());
         constexpr size_t kInHead = 24, kInGroup = 32 + 56;
         for (const size_t at : {kInHead, kInGroup}) same.replace(at, 8, plain, at, 8);
-        const size_t check = stream::head_bytes(3, 7) - 4;
+        const size_t check = stream::header_bytes(3, 7) - 4;
         same.replace(check, 4, plain, check, 4);
         EXPECT_EQ(same, plain);
     }
@@ -206,7 +206,7 @@ TEST_F(NvsTest, DamageIsNamed) {
             parts);
     };
     expect_refused("", {"show.nvs", "no stream"});
-    expect_refused(sound.substr(0, 20), {"show.nvs", "the head"});
+    expect_refused(sound.substr(0, 20), {"show.nvs", "the header"});
     expect_refused(sound.substr(0, 200), {"show.nvs", "the index"});
     expect_refused(sound.substr(0, sound.size() - 1), {"show.nvs", "bytes"});
     expect_refused(sound + "x", {"show.nvs", "bytes"});
@@ -245,9 +245,9 @@ TEST_F(NvsTest, IsAClipOfItsFrames) {
     EXPECT_EQ(voctree::defect_of(shown), "");
     EXPECT_EQ(shown.frames, 1u);
     EXPECT_EQ(shown.leaf_count, decoded[5].leaves.size());
-    const voctree::ClipHead head = voctree::read_clip_head(path);
-    EXPECT_EQ(head.frames, 7u);
-    EXPECT_EQ(head.box_min, tree.box_min);
+    const voctree::ClipHeader header = voctree::read_clip_header(path);
+    EXPECT_EQ(header.frames, 7u);
+    EXPECT_EQ(header.box_min, tree.box_min);
     expect_input_error([&] { voctree::read_clip(path); }, {"show.nvs", "is a stream"});
 }
 

@@ -95,7 +95,7 @@ class Group:
         return self.table_bytes + sum(sum(lengths) for _, lengths, _ in self.frames)
 
 
-def read_head(data):
+def read_header(data):
     """The groups of a file, in order, with the places of their frames' parts."""
     head = Bytes(data, "the head")
     check(head.take_bytes(8) == b"NVStream", "the file is no NVStream")
@@ -561,7 +561,7 @@ def decode_group(data, group):
 def read_nvs(data):
     """All frames of a file, and its frame 0 by its first 1, 2, 3 and 4 parts."""
     groups = []
-    for i, group in enumerate(read_head(data)):
+    for i, group in enumerate(read_header(data)):
         try:
             groups.append(decode_group(data, group))
         except ValueError as error:

@@ -117,8 +117,8 @@ TEST_F(CliSound, AClipTakesItsSoundAlong) {
         std::filesystem::remove(stage);
         std::filesystem::remove(file("silent.gltf"));
     }
-    const double fps = voctree::read_clip_head(clip).fps;
-    const uint32_t frames = voctree::read_clip_head(clip).frames;
+    const double fps = voctree::read_clip_header(clip).fps;
+    const uint32_t frames = voctree::read_clip_header(clip).frames;
     expect_done({"clip", "cut", clip, "-o", file("cut.nvv"), "--from", "1", "--to", "2"});
     const media::Sound whole = media::read_sound(file("sung.m4a")), cut = media::read_sound(file("cut.m4a"));
     EXPECT_NEAR(cut.length_s(), 1 / fps, 0.03);

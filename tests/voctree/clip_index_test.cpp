@@ -67,15 +67,15 @@ TEST_F(ClipIndexTest, TheHeadHoldsAllSegments) {
     const voctree::VOctree far = write_segment("b.nvv", 3, {4, 1, 0});
     write_index(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 2},
                     {"file": "b.nvv", "frames": 3}, {"file": "lost.nvv", "frames": 4}]})");
-    const voctree::ClipHead head = voctree::read_clip_head(clip);
-    EXPECT_EQ(head.frames, 9u) << "a segment that is missing has its frames";
-    EXPECT_EQ(head.fps, 30);
-    EXPECT_EQ(head.box_min, glm::vec3(-1, 0, 0));
-    EXPECT_EQ(head.box_min + head.box_size, glm::vec3(4, 1, 0) + far.box_size);
+    const voctree::ClipHeader header = voctree::read_clip_header(clip);
+    EXPECT_EQ(header.frames, 9u) << "a segment that is missing has its frames";
+    EXPECT_EQ(header.fps, 30);
+    EXPECT_EQ(header.box_min, glm::vec3(-1, 0, 0));
+    EXPECT_EQ(header.box_min + header.box_size, glm::vec3(4, 1, 0) + far.box_size);
     expect_input_error([&] { voctree::read_clip(clip); }, {"show.nvv", "in segments", "000000.nvv"});
     std::filesystem::remove(clip / "a.nvv");
     std::filesystem::remove(clip / "b.nvv");
-    expect_input_error([&] { voctree::read_clip_head(clip); }, {"show.nvv", "a.nvv"});
+    expect_input_error([&] { voctree::read_clip_header(clip); }, {"show.nvv", "a.nvv"});
 }
 
 // Each has one leaf of a metre, in a box of sixteen.
@@ -114,8 +114,8 @@ TEST_F(ClipIndexTest, SegmentsAreFilesOfTheirFrames) {
     std::filesystem::create_directory_symlink(clip, clip / "inside.nvv");
     expect_input_error([&] { voctree::read_segment(index.segments[1]); }, {"inside.nvv"});
     EXPECT_EQ(voctree::read_segment(index.segments[2]).frames, 2u);
-    EXPECT_EQ(voctree::read_clip_head(clip).frames, 6u);
-    EXPECT_EQ(voctree::read_clip_head(clip).box_min, sound.box_min) << "of the segments that can be played";
+    EXPECT_EQ(voctree::read_clip_header(clip).frames, 6u);
+    EXPECT_EQ(voctree::read_clip_header(clip).box_min, sound.box_min) << "of the segments that can be played";
 }
 
 TEST_F(ClipIndexTest, AnEmptySegmentHasNoSayInTheBox) {
@@ -127,9 +127,9 @@ TEST_F(ClipIndexTest, AnEmptySegmentHasNoSayInTheBox) {
     const voctree::VOctree somebody = write_segment("b.nvv", 2, {4, 1, 0});
     write_index(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 2},
                     {"file": "b.nvv", "frames": 2}]})");
-    EXPECT_EQ(voctree::read_clip_head(clip).box_min, somebody.box_min);
+    EXPECT_EQ(voctree::read_clip_header(clip).box_min, somebody.box_min);
     std::filesystem::remove(clip / "b.nvv");
-    EXPECT_EQ(voctree::read_clip_head(clip).box_min, nobody.box_min);
+    EXPECT_EQ(voctree::read_clip_header(clip).box_min, nobody.box_min);
 }
 
 TEST_F(ClipIndexTest, DamageIsNamed) {

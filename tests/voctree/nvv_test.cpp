@@ -109,7 +109,7 @@ TEST_F(Nvv, CompactTreesTakeFewBytes) {
         EXPECT_EQ(nvv_of(chunks_of(tree)), read_bytes(path_)) << seed;
     }
     const voctree::NvvSummary summary = voctree::summarise_nvv(path_);
-    const uint64_t leaves = summary.head.leaf_count;
+    const uint64_t leaves = summary.header.leaf_count;
     EXPECT_EQ(2 * leaves, summary.chunks[5].raw_bytes);
     EXPECT_LT(summary.chunks[6].raw_bytes, 13 * leaves);  // a quarter of 13 halves, plus a margin for chance
 }
@@ -219,8 +219,8 @@ TEST_F(Nvv, SummaryListsChunks) {
     const voctree::NvvSummary summary = voctree::summarise_nvv(path_);
     EXPECT_EQ(voctree::kNvvVersion, summary.version);
     EXPECT_EQ(std::filesystem::file_size(path_), summary.file_bytes);
-    EXPECT_EQ(tree.leaf_count, summary.head.leaf_count);
-    EXPECT_EQ(tree.box_size, summary.head.box_size);
+    EXPECT_EQ(tree.leaf_count, summary.header.leaf_count);
+    EXPECT_EQ(tree.box_size, summary.header.box_size);
     ASSERT_EQ(10u, summary.chunks.size());
     EXPECT_EQ("HEAD", summary.chunks[0].name);
     EXPECT_EQ(56u, summary.chunks[0].raw_bytes);

@@ -128,18 +128,18 @@ struct PaintFile : testing::Test {
     }
     // By hand, from the specification.
     std::vector<Chunk> chunks() const {
-        Chunk head{"PTHD", {}}, leaves{"PTLF", {}};
-        append(head.raw, layer.field.topology);
-        append(head.raw, layer.field.leaf_count);
-        append(head.raw, layer.field.frames);
-        append(head.raw, static_cast<uint32_t>(layer.edits.size()));
-        append(head.raw, uint32_t{0});
+        Chunk header{"PTHD", {}}, leaves{"PTLF", {}};
+        append(header.raw, layer.field.topology);
+        append(header.raw, layer.field.leaf_count);
+        append(header.raw, layer.field.frames);
+        append(header.raw, static_cast<uint32_t>(layer.edits.size()));
+        append(header.raw, uint32_t{0});
         for (int byte = 0; byte < 4; ++byte)
             for (size_t i = 0; i < layer.edits.size(); ++i) {
                 const uint32_t step = layer.edits[i].leaf - (i ? layer.edits[i - 1].leaf : 0);
                 leaves.raw.push_back(static_cast<uint8_t>(step >> 8 * byte));
             }
-        std::vector<Chunk> all = {head, leaves};
+        std::vector<Chunk> all = {header, leaves};
         const auto column = [&](const char* name, auto number) {
             Chunk chunk{name, {}};
             for (const voctree::LeafEdit& edit : layer.edits) append(chunk.raw, number(edit));

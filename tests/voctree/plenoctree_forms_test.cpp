@@ -60,12 +60,12 @@ TEST_F(PlenoctreeFormsTest, ATreeWithZUpIsTurnedWithItsColours) {
 TEST_F(PlenoctreeFormsTest, ZIsUpUnlessSomebodySaysOtherwise) {
     const N3Tree truth = random_n3tree(4, true, 9);  // its box is (−1, −1, −6) to (3, 1, 2)
     write_npz(file, truth.arrays());
-    const voctree::ClipHead head = voctree::read_clip_head(file);
-    EXPECT_EQ(head.box_min, glm::vec3(-1, -6, -1));
-    EXPECT_EQ(head.box_size, glm::vec3(4, 8, 2));
+    const voctree::ClipHeader header = voctree::read_clip_header(file);
+    EXPECT_EQ(header.box_min, glm::vec3(-1, -6, -1));
+    EXPECT_EQ(header.box_size, glm::vec3(4, 8, 2));
     const voctree::ClipSegment usual = voctree::read_clip_index(file).segments[0];
     const voctree::ClipSegment upright = voctree::read_clip_index(file, UpAxis::kY).segments[0];
-    EXPECT_EQ(voctree::read_segment(usual).box_min, head.box_min);
+    EXPECT_EQ(voctree::read_segment(usual).box_min, header.box_min);
     EXPECT_EQ(voctree::read_segment(upright).box_min, glm::vec3(-1, -1, -6));
     EXPECT_FALSE(voctree::read_segment(usual).has_srgb_colours);
     EXPECT_TRUE(voctree::read_shown_segment(usual).has_srgb_colours);
@@ -127,7 +127,7 @@ TEST_F(PlenoctreeFormsTest, TreesInNdcAreRefused) {
     write_npz(file, random_n3tree(4, true, 9).arrays());
     write_text(folder.path / "tree_poses_bounds.npy", "");
     expect_input_error([&] { voctree::read_plenoctree(file); }, {"tree.npz", "NDC", "tree_poses_bounds.npy"});
-    expect_input_error([&] { voctree::read_clip_head(file); }, {"NDC"});
+    expect_input_error([&] { voctree::read_clip_header(file); }, {"NDC"});
 }
 
 // A tree of SH4 as volrend compresses it, with palettes of 5 colours, and the same tree whole.

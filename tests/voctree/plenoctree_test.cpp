@@ -177,11 +177,11 @@ TEST_F(PlenoctreeTest, IsAClipOfOneFrame) {
     EXPECT_FALSE(voctree::is_plenoctree(folder.path / "tree.nvv"));
     EXPECT_EQ(voctree::read_clip(folder.path / "tree.nvv").leaf_count, tree.leaf_count);
     for (const std::filesystem::path& path : {file, folder.path / "tree.nvv"}) {
-        const voctree::ClipHead head = voctree::read_clip_head(path);
-        EXPECT_EQ(head.frames, 1u);
-        EXPECT_EQ(head.fps, tree.fps);
-        EXPECT_EQ(head.box_min, tree.box_min);
-        EXPECT_EQ(head.box_size, tree.box_size);
+        const voctree::ClipHeader header = voctree::read_clip_header(path);
+        EXPECT_EQ(header.frames, 1u);
+        EXPECT_EQ(header.fps, tree.fps);
+        EXPECT_EQ(header.box_min, tree.box_min);
+        EXPECT_EQ(header.box_size, tree.box_size);
     }
 }
 

@@ -57,7 +57,7 @@ TEST(SolidLeavesTest, ABodyWithoutFloatersIsWholeAtItsTime) {
 }
 
 TEST(SolidLeavesTest, FloatersAreLeftOut) {
-    // Beside the head, above it, and in front of it.
+    // Beside the header, above it, and in front of it.
     const std::vector<voctree::LeafPosition> specks{
         {62, 40, 32, kFigureDepth}, {28, 63, 32, kFigureDepth}, {29, 62, 32, kFigureDepth}, {28, 20, 63, kFigureDepth}};
     const voctree::VOctree tree = with_leaves(specks, 250);
@@ -71,7 +71,7 @@ TEST(SolidLeavesTest, AThinHazeIsLeftOutAndASolidPartIsNot) {
         for (uint32_t z = 20; z < 36; ++z) slab.push_back({x, 62, z, kFigureDepth});
     expect_box(voctree::SolidLeaves(with_leaves(slab, 0.01f)).box_at(0), box_of_figure(0), 1.01 * kCell);
     EXPECT_NEAR(voctree::SolidLeaves(with_leaves(slab, 250)).box_at(0).second.y, 63 * kCell, 1e-6)
-        << "a plate over the head is a part of the performer";
+        << "a plate over the header is a part of the performer";
 }
 
 TEST(SolidLeavesTest, WhereNothingIsSolidTheBoxIsThatOfAllLeaves) {

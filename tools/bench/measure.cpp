@@ -88,14 +88,14 @@ render::FrameSettings play_settings(media::ImageSize size) {
 stage::Stage stage_of_copies(const std::filesystem::path& clip, uint32_t copies, double widths_apart) {
     const std::filesystem::path file_of_clip = std::filesystem::absolute(clip);
     stage::StageFile file = edit::new_stage(file_of_clip.parent_path() / "bench.gltf");
-    const voctree::ClipHead head = voctree::read_clip_head(file_of_clip);
-    const double step_m = widths_apart * head.box_size.x;
+    const voctree::ClipHeader header = voctree::read_clip_header(file_of_clip);
+    const double step_m = widths_apart * header.box_size.x;
     for (uint32_t i = 0; i < copies; ++i) {
         edit::Placement placement;
         placement.at = glm::dvec3(step_m * (i - 0.5 * (copies - 1)), -head.box_min.y, 0);
         edit::PerformerEdit edit;
         edit.clip = file_of_clip;
-        edit.time = stage::parse_time_map(fmt::format("loop,offset:{}f", -static_cast<double>(i * (head.frames / 2))),
+        edit.time = stage::parse_time_map(fmt::format("loop,offset:{}f", -static_cast<double>(i * (header.frames / 2))),
                                           "bench", "");
         edit::add_performer(file, fmt::format("performer {}", i), edit, placement);
     }

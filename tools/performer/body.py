@@ -219,7 +219,7 @@ def neck_skin(position):
     return chain_weights(position[1], ["chest", "neck", "head"], [1.445, 1.535], 0.035)
 
 
-def add_head(mesh):
+def add_header(mesh):
     neck = [(1.420, .058, .056, .056, -.016), (1.46, .054, .052, .054, -.014), (1.50, .051, .050, .054, -.008),
             (1.54, .052, .052, .058, -.002), (1.58, .048, .046, .056, .0)]
     loft(mesh, ellipse_rings(neck, 10, 20, 2.0), CHARTS["skin"].uv, neck_skin, "neck")
@@ -277,6 +277,6 @@ def make_body():
     add_torso(mesh)
     add_trousers(mesh)
     add_arms(mesh)
-    add_head(mesh)
+    add_header(mesh)
     add_shoes(mesh)
     return mesh

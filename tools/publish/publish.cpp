@@ -162,7 +162,7 @@ int Publisher::strength_for_rate(const std::vector<stream::Slice>& slices) const
     const auto too_large = largest_strength([&](int strength) {
         expect_to_go_on();
         const uint64_t bytes =
-            stream::bytes_of(encode_group(slices, strength)).count() + stream::head_bytes(1, slices.size());
+            stream::bytes_of(encode_group(slices, strength)).count() + stream::header_bytes(1, slices.size());
         return 8e-6 * static_cast<double>(bytes) / seconds > *options_.rate_mbps;
     });
     return too_large ? std::min(*too_large + 1, kStepSizes - 1) : 0;

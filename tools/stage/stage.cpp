@@ -22,9 +22,9 @@ namespace {
 void expect_fitting_time(const stage::TimeMap& time, const std::filesystem::path& clip) {
     std::error_code error;
     if (!stream::is_address(clip) && !std::filesystem::exists(clip, error)) return;
-    const voctree::ClipHead head = voctree::read_clip_head(clip);
+    const voctree::ClipHeader header = voctree::read_clip_header(clip);
     const std::string text = stage::text_of(time);
-    stage::expect_parts_within(stage::timeline_of(time, head.frames, static_cast<double>(head.fps), "--time", text),
+    stage::expect_parts_within(stage::timeline_of(time, header.frames, static_cast<double>(header.fps), "--time", text),
                                "--time", text);
 }
 
@@ -96,7 +96,7 @@ void place_upright(const AddOptions& options, edit::Placement& placement) {
 
 std::string add_performer(stage::StageFile& file, const AddOptions& options) {
     const std::filesystem::path clip = voctree::clip_path(options.clip);
-    voctree::read_clip_head(clip);
+    voctree::read_clip_header(clip);
     edit::PerformerEdit performer = options.performer;
     performer.clip = clip;
     if (performer.time) expect_fitting_time(*performer.time, clip);
@@ -131,7 +131,7 @@ struct SetOptions : StageTarget {
 std::string set_node(stage::StageFile& file, const SetOptions& options) {
     const uint32_t node = edit::find_node(file, *options.node);
     const edit::PerformerEdit& performer = options.performer;
-    if (performer.clip) voctree::read_clip_head(*performer.clip);
+    if (performer.clip) voctree::read_clip_header(*performer.clip);
     if (performer.time)
         expect_fitting_time(*performer.time, performer.clip ? *performer.clip : edit::clip_of(file, node));
     const bool of_performer = performer.clip || performer.time || performer.spin_deg_per_s || performer.opacity ||

@@ -15,9 +15,9 @@ namespace {
 
 constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 30;
 
-media::ImageHead as_used(media::ImageHead head, const ImageSource& source) {
-    if (source.as_stored) head.orientation = media::Orientation::kUpright;
-    return head;
+media::ImageHeader as_used(media::ImageHeader header, const ImageSource& source) {
+    if (source.as_stored) header.orientation = media::Orientation::kUpright;
+    return header;
 }
 
 }  // namespace
@@ -26,12 +26,12 @@ media::Image ImageReader::read(const ImageSource& source, const ExpectSize& expe
     if (source.video_frame < 0) {
         const std::vector<uint8_t> bytes = read_file(source.path, kMaxImageFileBytes);
         const std::string name = source.path.string();
-        const media::ImageHead head = as_used(media::image_head(bytes.data(), bytes.size(), name), source);
+        const media::ImageHeader header = as_used(media::image_header(bytes.data(), bytes.size(), name), source);
         if (expect_size)
-            expect_size(media::shown_size(head.stored, head.orientation));
+            expect_size(media::shown_size(header.stored, header.orientation));
         else
-            media::expect_content(head.stored, bytes.size(), name);
-        return media::shown(media::decode_image(bytes.data(), bytes.size(), name), head.orientation);
+            media::expect_content(header.stored, bytes.size(), name);
+        return media::shown(media::decode_image(bytes.data(), bytes.size(), name), header.orientation);
     }
     if (!video_ || path_ != source.path || source.video_frame < next_frame_) {
         video_.emplace(source.path);
@@ -65,9 +65,9 @@ media::Image read_plate(const ImageSource& source, const ImageReader::ExpectSize
 
 media::ImageSize size_of(const ImageSource& source) {
     if (source.video_frame >= 0) return media::VideoReader(source.path).size();
-    const media::ImageHead head = as_used(media::image_head(source.path), source);
-    media::expect_content(head.stored, std::filesystem::file_size(source.path), source.path.string());
-    return media::shown_size(head.stored, head.orientation);
+    const media::ImageHeader header = as_used(media::image_header(source.path), source);
+    media::expect_content(header.stored, std::filesystem::file_size(source.path), source.path.string());
+    return media::shown_size(header.stored, header.orientation);
 }
 
 }  // namespace neuvv::training

@@ -59,14 +59,14 @@ void write_mesh_obj(const std::filesystem::path& file, const ColouredMesh& mesh,
 
 void write_mesh_ply(const std::filesystem::path& file, const ColouredMesh& mesh, const glm::dvec3& origin) {
     const bool far = origin != glm::dvec3(0);
-    std::string head = "ply\nformat binary_little_endian 1.0\n";
-    head += fmt::format("element vertex {}\n", mesh.mesh.positions.size());
-    for (const char* name : {"x", "y", "z"}) head += fmt::format("property {} {}\n", far ? "double" : "float", name);
-    for (const char* name : {"nx", "ny", "nz"}) head += fmt::format("property float {}\n", name);
-    for (const char* name : {"red", "green", "blue"}) head += fmt::format("property uchar {}\n", name);
-    head += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-                        mesh.mesh.triangles.size());
-    std::vector<uint8_t> bytes(head.begin(), head.end());
+    std::string header = "ply\nformat binary_little_endian 1.0\n";
+    header += fmt::format("element vertex {}\n", mesh.mesh.positions.size());
+    for (const char* name : {"x", "y", "z"}) header += fmt::format("property {} {}\n", far ? "double" : "float", name);
+    for (const char* name : {"nx", "ny", "nz"}) header += fmt::format("property float {}\n", name);
+    for (const char* name : {"red", "green", "blue"}) header += fmt::format("property uchar {}\n", name);
+    header += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+                          mesh.mesh.triangles.size());
+    std::vector<uint8_t> bytes(header.begin(), header.end());
     for (size_t i = 0; i < mesh.mesh.positions.size(); ++i) {
         if (far)
             append_bytes(bytes, glm::dvec3(mesh.mesh.positions[i]) + origin);

@@ -1,4 +1,4 @@
-// Reading TRC, a table of markers that OpenSim, Pose2Sim and motion capture systems write: five lines of head, then a
+// Reading TRC, a table of markers that OpenSim, Pose2Sim and motion capture systems write: five lines of header, then a
 // line for each frame with its number, its time, and x, y, z of each marker.
 #include <fmt/format.h>
 
@@ -59,41 +59,41 @@ std::optional<double> number_in(const std::string& field) {
     return value;
 }
 
-struct TrcHead {
+struct TrcHeader {
     double fps = 0, unit_m = 1;
     std::vector<std::optional<size_t>> joints;  // by marker
 };
 
-TrcHead read_head_lines(Words& words) {
+TrcHeader read_header_lines(Words& words) {
     const auto fields = [&] {
         std::string line;
-        if (!words.line(line)) words.fail("the file ends in its head", "write it again");
+        if (!words.line(line)) words.fail("the file ends in its header", "write it again");
         return split(line, '\t');
     };
-    TrcHead head;
+    TrcHeader header;
     if (!fields()[0].starts_with("PathFileType")) words.fail("does not begin with PathFileType", "give a TRC file");
     const std::vector<std::string> keys = fields(), values = fields();
     for (size_t i = 0; i < std::min(keys.size(), values.size()); ++i) {
-        if (keys[i] == "DataRate") head.fps = number_in(values[i]).value_or(0);
-        if (keys[i] == "Units") head.unit_m = metres_of(words, values[i]);
+        if (keys[i] == "DataRate") header.fps = number_in(values[i]).value_or(0);
+        if (keys[i] == "Units") header.unit_m = metres_of(words, values[i]);
     }
-    if (!(head.fps >= 1e-3 && head.fps <= 1e4)) words.fail("has no DataRate in frames a second");
+    if (!(header.fps >= 1e-3 && header.fps <= 1e4)) words.fail("has no DataRate in frames a second");
     const std::vector<std::string> markers = fields();
     // A name stands above its x, and two empty fields follow; some programs leave these out.
     bool dense = false;
     for (size_t i = 2; i < markers.size(); ++i) dense |= (i - 2) % 3 != 0 && !markers[i].empty();
     std::vector<std::string> names;
     for (size_t i = 2; i < markers.size(); i += dense ? 1 : 3) names.push_back(markers[i]);
-    head.joints = joints_of_markers(names);
+    header.joints = joints_of_markers(names);
     fields();
-    return head;
+    return header;
 }
 
-Pose read_row(const Words& words, const TrcHead& head, const std::vector<std::string>& fields) {
+Pose read_row(const Words& words, const TrcHeader& header, const std::vector<std::string>& fields) {
     Pose pose;
-    for (size_t m = 0; m < head.joints.size(); ++m) {
-        if (!head.joints[m] || 4 + 3 * m >= fields.size()) continue;
-        JointSample& sample = pose[*head.joints[m]];
+    for (size_t m = 0; m < header.joints.size(); ++m) {
+        if (!header.joints[m] || 4 + 3 * m >= fields.size()) continue;
+        JointSample& sample = pose[*header.joints[m]];
         bool known = true;
         for (int i = 0; i < 3; ++i) {
             const std::string& field = fields[2 + 3 * m + static_cast<size_t>(i)];
@@ -115,22 +115,22 @@ Pose read_row(const Words& words, const TrcHead& head, const std::vector<std::st
 
 FileMotion read_trc(const std::filesystem::path& file) {
     Words words(file);
-    const TrcHead head = read_head_lines(words);
+    const TrcHeader header = read_header_lines(words);
     SkeletonClip clip;
-    clip.fps = head.fps;
+    clip.fps = header.fps;
     std::string line;
     while (words.line(line)) {
         const std::vector<std::string> fields = split(line, '\t');
         if (fields.size() < 3) continue;
         if (clip.frames.size() == kMaxSkeletonFrames)
             words.fail(fmt::format("has more than {} frames", kMaxSkeletonFrames));
-        clip.frames.push_back(read_row(words, head, fields));
+        clip.frames.push_back(read_row(words, header, fields));
     }
     if (clip.frames.empty()) words.fail("has no frames", "write it again");
     if (!(body_height(bone_lengths(clip)) > 0))
         throw InputError(file.string(), "line 4", "has no leg and trunk among its markers",
                          "name markers as Pose2Sim does: Hip, Neck, RHip, RKnee, RAnkle, RShoulder");
-    return {std::move(clip), head.unit_m, false};
+    return {std::move(clip), header.unit_m, false};
 }
 
 }  // namespace neuvv::motion

@@ -29,26 +29,26 @@ StageAssets StageLoader::load(const stage::Stage& stage, const Loaded& loaded) {
     return assets;
 }
 
-const StageLoader::KnownHead& StageLoader::head_of(const voctree::ClipSegment& segment) {
+const StageLoader::KnownHeader& StageLoader::header_of(const voctree::ClipSegment& segment) {
     const FileStamp stamp = stamp_of(segment);
-    if (const auto known = heads_.find(segment.file); known != heads_.end() && known->second.stamp == stamp)
+    if (const auto known = headers_.find(segment.file); known != headers_.end() && known->second.stamp == stamp)
         return known->second;
-    KnownHead head{stamp, {}, ""};
+    KnownHeader header{stamp, {}, ""};
     try {
-        const voctree::NvvHead read = voctree::read_segment_head(segment);
-        if (read.leaf_count > 0) head.box.emplace(read.box_min, read.box_min + read.box_size);
+        const voctree::NvvHeader read = voctree::read_segment_header(segment);
+        if (read.leaf_count > 0) header.box.emplace(read.box_min, read.box_min + read.box_size);
     } catch (const InputError& problem) {
-        head.problem = problem.what();
+        header.problem = problem.what();
     }
-    return heads_[segment.file] = head;
+    return headers_[segment.file] = header;
 }
 
 // Its first readable segment is read; others that are on the device, for an earlier version of the stage, are found.
 void StageLoader::load_segments(ClipOnDevice& clip, std::vector<std::string>& problems) {
     for (const voctree::ClipSegment& segment : clip.index.segments) {
         ClipOnDevice::Segment& one = clip.segments.emplace_back();
-        const KnownHead& head = head_of(segment);
-        std::string problem = head.problem;
+        const KnownHeader& header = header_of(segment);
+        std::string problem = header.problem;
         try {
             if (problem.empty()) one.loaded = clip.first ? files_->find(segment) : files_->read(segment);
         } catch (const InputError& error) {
@@ -57,9 +57,9 @@ void StageLoader::load_segments(ClipOnDevice& clip, std::vector<std::string>& pr
         if (!clip.first) clip.first = one.loaded;
         one.readable = problem.empty();
         if (!one.readable) problems.push_back(problem);
-        if (!one.readable || !head.box) continue;
-        clip.leaf_box.first = glm::min(clip.leaf_box.first, head.box->first);
-        clip.leaf_box.second = glm::max(clip.leaf_box.second, head.box->second);
+        if (!one.readable || !header.box) continue;
+        clip.leaf_box.first = glm::min(clip.leaf_box.first, header.box->first);
+        clip.leaf_box.second = glm::max(clip.leaf_box.second, header.box->second);
     }
 }
 

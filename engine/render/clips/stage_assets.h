@@ -62,8 +62,8 @@ class StageLoader {
     // The device must outlive the loader and all that it loads. Layers that `paint` returns are not read from the disk.
     explicit StageLoader(const gpu::Device& device, PaintSource paint = {}, SolidParts solid = SolidParts::kNo);
 
-    // Of a segmented clip, the first segment is read, and of the others their heads alone. Throws InputError for a file
-    // that cannot be read, for a segmented clip of which no segment can be, and for paint of another clip;
+    // Of a segmented clip, the first segment is read, and of the others their headers alone. Throws InputError for a
+    // file that cannot be read, for a segmented clip of which no segment can be, and for paint of another clip;
     // RuntimeFailure where the device has no memory.
     StageAssets load(const stage::Stage& stage, const Loaded& loaded = {});
     // What it reads clips with: what is read by others beforehand and still in use is not read again.
@@ -75,13 +75,13 @@ class StageLoader {
         FileStamp stamp;
         std::weak_ptr<const SetEnvironment> map;
     };
-    // What the head of a segment's file says, so that it is read again only where the file has changed.
-    struct KnownHead {
+    // What the header of a segment's file says, so that it is read again only where the file has changed.
+    struct KnownHeader {
         FileStamp stamp;
         std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // of its tree, metres; nothing: no leaves
         std::string problem;                                   // empty: it is sound
     };
-    const KnownHead& head_of(const voctree::ClipSegment& segment);
+    const KnownHeader& header_of(const voctree::ClipSegment& segment);
     void load_segments(ClipOnDevice& clip, std::vector<std::string>& problems);
     ClipOnDevice load_clip(const std::filesystem::path& path, std::vector<std::string>& problems);
     std::shared_ptr<const SetEnvironment> load_environment(const stage::Stage& stage);
@@ -92,8 +92,8 @@ class StageLoader {
     PaintSource paint_source_;
     PaintFiles paint_files_;
     std::shared_ptr<ClipFiles> files_;
-    std::map<std::filesystem::path, KnownHead> heads_;  // of segments
-    std::vector<KnownEnvironment> environments_;        // all that are still in use
+    std::map<std::filesystem::path, KnownHeader> headers_;  // of segments
+    std::vector<KnownEnvironment> environments_;            // all that are still in use
 };
 
 }  // namespace neuvv::render

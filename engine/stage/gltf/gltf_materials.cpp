@@ -194,7 +194,7 @@ std::shared_ptr<const GltfImage> load_image(const GltfScene& scene, const tinygl
                                             const GltfScene* before, uint64_t& pixels) {
     const std::span<const uint8_t> bytes = encoded_image(scene, model, index);
     const std::string name = fmt::format("{}: /images/{}", scene.file, index);
-    const media::ImageSize size = media::image_head(bytes.data(), bytes.size(), name).stored;
+    const media::ImageSize size = media::image_header(bytes.data(), bytes.size(), name).stored;
     media::expect_content(size, bytes.size(), name);
     pixels += uint64_t{size.width} * size.height;
     if (pixels > kMaxImagePixels)

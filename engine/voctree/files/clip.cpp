@@ -62,7 +62,7 @@ const stream::Group& group_of(const ClipSegment& segment) {
     return index.groups[index.group_of(segment.first)];
 }
 
-NvvHead head_of_frame(const ClipSegment& segment) {
+NvvHeader header_of_frame(const ClipSegment& segment) {
     const stream::Group& group = group_of(segment);
     return {group.format.depth / 2,
             0,
@@ -94,25 +94,25 @@ VOctree read_segment(const ClipSegment& segment, stream::Part last, PlenoctreeCo
     return tree;
 }
 
-NvvHead read_segment_head(const ClipSegment& segment) {
-    if (segment.stream) return head_of_frame(segment);
-    const NvvHead head = summarise_nvv(segment.file).head;
-    require_frames(segment, head.frames);
-    return head;
+NvvHeader read_segment_header(const ClipSegment& segment) {
+    if (segment.stream) return header_of_frame(segment);
+    const NvvHeader header = summarise_nvv(segment.file).header;
+    require_frames(segment, header.frames);
+    return header;
 }
 
 namespace {
 
-ClipHead read_segmented_head(const std::filesystem::path& path) {
+ClipHeader read_segmented_header(const std::filesystem::path& path) {
     const ClipIndex index = read_clip_index(path);
     using Box = std::pair<glm::vec3, glm::vec3>;
     std::optional<Box> box, empty;  // of the segments with leaves, and of one without
     std::string problem;
     for (const ClipSegment& segment : index.segments) {
         try {
-            const NvvHead head = read_segment_head(segment);
-            const Box one{head.box_min, head.box_min + head.box_size};
-            if (head.leaf_count == 0)
+            const NvvHeader header = read_segment_header(segment);
+            const Box one{header.box_min, header.box_min + header.box_size};
+            if (header.leaf_count == 0)
                 empty = one;
             else
                 box = box ? Box(glm::min(box->first, one.first), glm::max(box->second, one.second)) : one;
@@ -127,14 +127,14 @@ ClipHead read_segmented_head(const std::filesystem::path& path) {
 
 }  // namespace
 
-ClipHead read_clip_head(const std::filesystem::path& path, UpAxis up) {
-    if (is_segmented(path) || stream::is_stream(path)) return read_segmented_head(path);
+ClipHeader read_clip_header(const std::filesystem::path& path, UpAxis up) {
+    if (is_segmented(path) || stream::is_stream(path)) return read_segmented_header(path);
     if (is_plenoctree(path)) {
         const auto [box_min, box_size] = read_plenoctree_box(path, up);
         return {1, VOctree{}.fps, box_min, box_size};
     }
-    const NvvHead head = summarise_nvv(path).head;
-    return {head.frames, head.fps, head.box_min, head.box_size};
+    const NvvHeader header = summarise_nvv(path).header;
+    return {header.frames, header.fps, header.box_min, header.box_size};
 }
 
 }  // namespace neuvv::voctree

@@ -25,19 +25,19 @@ inline VOctree read_shown_segment(const ClipSegment& segment, stream::Part last 
     return read_segment(segment, last, PlenoctreeColours::kAsStored);
 }
 
-// The head of a segment of a segmented clip, without its leaves. Throws InputError where the file's headers are
+// The header of a segment of a segmented clip, without its leaves. Throws InputError where the file's headers are
 // damaged, and where it has not as many frames as the index says.
-NvvHead read_segment_head(const ClipSegment& segment);
+NvvHeader read_segment_header(const ClipSegment& segment);
 
-struct ClipHead {
+struct ClipHeader {
     uint32_t frames;
     float fps;
     glm::vec3 box_min, box_size;  // metres
 };
 
-// Reads a clip's head without its leaves. The box of a segmented clip holds the boxes of all of its segments that can
+// Reads a clip's header without its leaves. The box of a segmented clip holds the boxes of all of its segments that can
 // be read and have leaves. Throws InputError where the file's headers are damaged, or where no segment can be read.
-ClipHead read_clip_head(const std::filesystem::path& path, UpAxis up = UpAxis::kZ);
+ClipHeader read_clip_header(const std::filesystem::path& path, UpAxis up = UpAxis::kZ);
 
 // Throws InputError where the file is a stream.
 void expect_no_stream(const std::filesystem::path& path);

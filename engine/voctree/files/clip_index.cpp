@@ -88,8 +88,8 @@ FileStamp stamp_of(const ClipSegment& segment) {
 ClipIndex read_clip_index(const std::filesystem::path& clip, UpAxis up) {
     if (stream::is_stream(clip)) return index_of_stream(clip);
     if (!is_segmented(clip)) {
-        const ClipHead head = read_clip_head(clip, up);
-        return {head.fps, {{clip, 0, head.frames, 0, nullptr, up}}};
+        const ClipHeader header = read_clip_header(clip, up);
+        return {header.fps, {{clip, 0, header.frames, 0, nullptr, up}}};
     }
     const JsonFile file = read_json(index_file(clip), "the index of a segmented clip");
     const JsonNode root = file.root();

@@ -51,7 +51,7 @@ bool is_segmented(const std::filesystem::path& clip);
 // A clip's path without a separator at its end, which shells add when they complete the name of a folder.
 std::filesystem::path clip_path(const std::filesystem::path& given);
 
-// Reads the index of a clip of any kind; of a clip that is one file, its head is read. Throws InputError with file,
+// Reads the index of a clip of any kind; of a clip that is one file, its header is read. Throws InputError with file,
 // place and fix for what is damaged or out of bounds, and for a file that is named twice. Segments are not opened, so
 // that a clip with a damaged segment can be played but for that segment.
 ClipIndex read_clip_index(const std::filesystem::path& clip, UpAxis up = UpAxis::kZ);

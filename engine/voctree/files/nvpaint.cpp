@@ -21,11 +21,11 @@ constexpr const char* kColumnNames[kColumns] = {"PTF0", "PTF1", "PTCR", "PTCG", 
 constexpr uint32_t kMaxEdits = 1u << 28;
 constexpr const char* kWriteAgain = "write the file again";
 
-struct PaintHead {
+struct PaintHeader {
     uint64_t topology;
     uint32_t leaf_count, frames, edit_count, reserved;
 };
-static_assert(sizeof(PaintHead) == 24);
+static_assert(sizeof(PaintHeader) == 24);
 
 float& number_of(LeafEdit& edit, int column) {
     float* const numbers[kColumns] = {&edit.first,    &edit.last,  &edit.colour.r, &edit.colour.g,
@@ -33,22 +33,22 @@ float& number_of(LeafEdit& edit, int column) {
     return *numbers[column];
 }
 
-PaintHead read_paint_head(ChunkReader& file) {
-    PaintHead head{};
-    std::memcpy(&head, file.take(sizeof head).data(), sizeof head);
-    if (head.edit_count > kMaxEdits)
-        file.fail(fmt::format("edit_count is {}, must be 0 to {}", head.edit_count, kMaxEdits), kWriteAgain);
-    if (head.reserved != 0) file.fail("has numbers that this program does not know", "open it with a newer neuvv");
-    return head;
+PaintHeader read_paint_header(ChunkReader& file) {
+    PaintHeader header{};
+    std::memcpy(&header, file.take(sizeof header).data(), sizeof header);
+    if (header.edit_count > kMaxEdits)
+        file.fail(fmt::format("edit_count is {}, must be 0 to {}", header.edit_count, kMaxEdits), kWriteAgain);
+    if (header.reserved != 0) file.fail("has numbers that this program does not know", "open it with a newer neuvv");
+    return header;
 }
 
-void expect_field(const ChunkReader& file, const PaintHead& head, const PaintedField& field) {
-    const PaintedField painted{head.topology, head.leaf_count, head.frames};
+void expect_field(const ChunkReader& file, const PaintHeader& header, const PaintedField& field) {
+    const PaintedField painted{header.topology, header.leaf_count, header.frames};
     if (painted == field) return;
     const bool other_clip = painted.topology == field.topology && painted.leaf_count == field.leaf_count;
-    file.fail(other_clip ? fmt::format("is paint for a clip of {} frames, not {}", head.frames, field.frames)
+    file.fail(other_clip ? fmt::format("is paint for a clip of {} frames, not {}", header.frames, field.frames)
                          : fmt::format("is paint for another scene or another training of it ({} leaves, here {})",
-                                       head.leaf_count, field.leaf_count),
+                                       header.leaf_count, field.leaf_count),
               "use the .nvv that it was painted on, or paint anew");
 }
 
@@ -66,8 +66,8 @@ void write_paint(const std::filesystem::path& path, const EditLayer& layer) {
     const auto count = static_cast<uint32_t>(layer.edits.size());
     write_file_atomically(path, [&](const ByteSink& sink) {
         ChunkWriter file(path.string(), sink, 3);
-        const PaintHead head{layer.field.topology, layer.field.leaf_count, layer.field.frames, count, 0};
-        file.add(kHeadName, &head, sizeof head);
+        const PaintHeader header{layer.field.topology, layer.field.leaf_count, layer.field.frames, count, 0};
+        file.add(kHeadName, &header, sizeof header);
         std::vector<uint32_t> leaves;
         leaves.reserve(count);
         for (const LeafEdit& edit : layer.edits) leaves.push_back(edit.leaf);
@@ -92,16 +92,16 @@ EditLayer read_paint(const std::filesystem::path& path, const PaintedField& fiel
     ChunkHeader chunk;
     if (!file.next(chunk) || chunk.name != kHeadName)
         throw InputError(path.string(), "", "is not a layer of paint", "name a file that `neuvv paint` wrote");
-    const PaintHead head = read_paint_head(file);
-    expect_field(file, head, field);
+    const PaintHeader header = read_paint_header(file);
+    expect_field(file, header, field);
     EditLayer layer{field, {}};
     expect_next(file, chunk, kLeafName);
-    const std::vector<uint32_t> leaves = unpack_children(file.take(uint64_t{4} * head.edit_count));
-    layer.edits.resize(head.edit_count);
+    const std::vector<uint32_t> leaves = unpack_children(file.take(uint64_t{4} * header.edit_count));
+    layer.edits.resize(header.edit_count);
     for (size_t i = 0; i < leaves.size(); ++i) layer.edits[i].leaf = leaves[i];
     for (int i = 0; i < kColumns; ++i) {
         expect_next(file, chunk, kColumnNames[i]);
-        const std::vector<uint8_t> bytes = file.take(uint64_t{4} * head.edit_count);
+        const std::vector<uint8_t> bytes = file.take(uint64_t{4} * header.edit_count);
         for (size_t k = 0; k < layer.edits.size(); ++k)
             std::memcpy(&number_of(layer.edits[k], i), &bytes[4 * k], sizeof(float));
     }

@@ -16,7 +16,7 @@ namespace neuvv::voctree {
 
 namespace {
 
-static_assert(sizeof(NvvHead) == 56);
+static_assert(sizeof(NvvHeader) == 56);
 
 enum ChunkIndex { kHead, kNode, kChld, kBasA, kBasB, kMask, kWSig, kWGam, kWHhc, kChunkCount };
 // The chunks in file order. The topology comes before the weights, so that the number of leaves is verified before
@@ -40,37 +40,37 @@ std::vector<uint8_t> pack_nodes(const VOctree& tree) {
 }
 
 // Checks that every count is within its bounds, so that sizes that are computed from them do not overflow.
-NvvHead read_nvv_head(ChunkReader& file) {
-    NvvHead head{};
-    std::memcpy(&head, file.take(sizeof head).data(), sizeof head);
+NvvHeader read_nvv_header(ChunkReader& file) {
+    NvvHeader header{};
+    std::memcpy(&header, file.take(sizeof header).data(), sizeof header);
     const struct {
         const char* name;
         uint32_t value, low, high;
     } limits[] = {
-        {"node_levels", head.node_levels, 1, kMaxNodeLevels},
-        {"node_count", head.node_count, 1, kMaxNodes},
-        {"child_count", head.child_count, 0, 8 * kMaxLeaves + kMaxNodes},
-        {"leaf_count", head.leaf_count, 0, kMaxLeaves},
-        {"bases", head.bases, 1, kMaxBases},
-        {"hh_degree", head.hh_degree, 0, kMaxHhDegree},
-        {"frames", head.frames, 1, kMaxFrames},
+        {"node_levels", header.node_levels, 1, kMaxNodeLevels},
+        {"node_count", header.node_count, 1, kMaxNodes},
+        {"child_count", header.child_count, 0, 8 * kMaxLeaves + kMaxNodes},
+        {"leaf_count", header.leaf_count, 0, kMaxLeaves},
+        {"bases", header.bases, 1, kMaxBases},
+        {"hh_degree", header.hh_degree, 0, kMaxHhDegree},
+        {"frames", header.frames, 1, kMaxFrames},
     };
     for (const auto& limit : limits)
         if (limit.value < limit.low || limit.value > limit.high)
             file.fail(fmt::format("{} is {}, must be {} to {}", limit.name, limit.value, limit.low, limit.high),
                       "write the file again");
-    return head;
+    return header;
 }
 
-void apply_head(VOctree& tree, const NvvHead& head) {
-    tree.node_levels = head.node_levels;
-    tree.leaf_count = head.leaf_count;
-    tree.bases = head.bases;
-    tree.hh_degree = head.hh_degree;
-    tree.frames = head.frames;
-    tree.fps = head.fps;
-    tree.box_min = head.box_min;
-    tree.box_size = head.box_size;
+void apply_header(VOctree& tree, const NvvHeader& header) {
+    tree.node_levels = header.node_levels;
+    tree.leaf_count = header.leaf_count;
+    tree.bases = header.bases;
+    tree.hh_degree = header.hh_degree;
+    tree.frames = header.frames;
+    tree.fps = header.fps;
+    tree.box_min = header.box_min;
+    tree.box_size = header.box_size;
 }
 
 template <typename T>
@@ -100,7 +100,7 @@ void read_presence(ChunkReader& file, VOctree& tree, std::vector<uint8_t>& prese
 // A tree whose first `done` chunks have been read.
 struct PartialTree {
     VOctree tree;
-    NvvHead head{};
+    NvvHeader header{};
     std::vector<uint8_t> presence;
     size_t done = 0;
 };
@@ -108,24 +108,24 @@ struct PartialTree {
 // Reads the tree's next chunk, which the file has opened.
 void read_chunk(ChunkReader& file, PartialTree& part) {
     VOctree& tree = part.tree;
-    NvvHead& head = part.head;
+    NvvHeader& header = part.header;
     std::vector<uint8_t>& presence = part.presence;
     const auto chunk = static_cast<int>(part.done++);
     const uint64_t row_numbers = uint64_t{tree.frames} * tree.bases;
     switch (chunk) {
         case kHead:
-            head = read_nvv_head(file);
-            apply_head(tree, head);
+            header = read_nvv_header(file);
+            apply_header(tree, header);
             break;
         case kNode: {
-            const std::vector<uint8_t> bytes = file.take(uint64_t{kStoredNodeBytes} * head.node_count);
-            tree.nodes.resize(head.node_count);
+            const std::vector<uint8_t> bytes = file.take(uint64_t{kStoredNodeBytes} * header.node_count);
+            tree.nodes.resize(header.node_count);
             for (size_t i = 0; i < tree.nodes.size(); ++i)
                 std::memcpy(&tree.nodes[i], &bytes[kStoredNodeBytes * i], kStoredNodeBytes);
             break;
         }
         case kChld: {
-            tree.children = unpack_children(file.take(uint64_t{4} * head.child_count));
+            tree.children = unpack_children(file.take(uint64_t{4} * header.child_count));
             const std::string defect = defect_of_topology(tree);
             if (!defect.empty()) file.fail(defect, "write the file again");
             break;
@@ -148,12 +148,12 @@ void read_chunk(ChunkReader& file, PartialTree& part) {
     }
 }
 
-void add_head(ChunkWriter& file, const VOctree& tree, const ChunkNames& names) {
-    const NvvHead head = head_of(tree);
-    file.add(names[kHead], &head, sizeof head);
+void add_header(ChunkWriter& file, const VOctree& tree, const ChunkNames& names) {
+    const NvvHeader header = header_of(tree);
+    file.add(names[kHead], &header, sizeof header);
 }
 
-// Writes all chunks of a tree but the head.
+// Writes all chunks of a tree but the header.
 void add_body(ChunkWriter& file, const VOctree& tree, const ChunkNames& names) {
     const std::vector<uint8_t> nodes = pack_nodes(tree);
     file.add(names[kNode], nodes.data(), nodes.size());
@@ -171,7 +171,7 @@ void add_body(ChunkWriter& file, const VOctree& tree, const ChunkNames& names) {
 }
 
 // Whether one tree may replace the other while the clip is played.
-bool same_clip(const NvvHead& a, const NvvHead& b) {
+bool same_clip(const NvvHeader& a, const NvvHeader& b) {
     return a.frames == b.frames && a.fps == b.fps && a.box_min == b.box_min && a.box_size == b.box_size;
 }
 
@@ -189,7 +189,7 @@ std::string defect_of_file(const VOctree& tree, const std::vector<NvvChunkView>&
     if (!coarse) return "";
     const std::string coarse_defect = defect_of(*coarse);
     if (!coarse_defect.empty()) return "the coarse tree: " + coarse_defect;
-    if (!same_clip(head_of(tree), head_of(*coarse))) return "the coarse tree has another clip or box";
+    if (!same_clip(header_of(tree), header_of(*coarse))) return "the coarse tree has another clip or box";
     if (coarse->leaf_count > tree.leaf_count) return "the coarse tree has more leaves than the tree";
     if (weight_bytes(*coarse) > kMaxExtraBytes) return "the coarse tree is larger than 4 GiB";
     return "";
@@ -202,7 +202,7 @@ void expect_no_paint(const std::filesystem::path& path) {
 
 }  // namespace
 
-NvvHead head_of(const VOctree& tree) {
+NvvHeader header_of(const VOctree& tree) {
     return {tree.node_levels,
             static_cast<uint32_t>(tree.nodes.size()),
             static_cast<uint32_t>(tree.children.size()),
@@ -222,9 +222,9 @@ void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std
     if (!defect.empty()) throw RuntimeFailure(fmt::format("{}: not written: {}", path.string(), defect));
     write_file_atomically(path, [&](const ByteSink& sink) {
         ChunkWriter file(path.string(), sink, compression);
-        add_head(file, tree, kChunkNames);
+        add_header(file, tree, kChunkNames);
         if (coarse) {
-            add_head(file, *coarse, kCoarseNames);
+            add_header(file, *coarse, kCoarseNames);
             add_body(file, *coarse, kCoarseNames);
         }
         add_body(file, tree, kChunkNames);
@@ -267,7 +267,7 @@ std::optional<VOctree> read_nvv_coarse(const std::filesystem::path& path) {
     ChunkReader file(path);
     ChunkHeader chunk;
     if (!file.next(chunk) || chunk.name != kChunkNames[kHead]) file.fail_damaged("is where chunk HEAD must be");
-    const NvvHead whole = read_nvv_head(file);
+    const NvvHeader whole = read_nvv_header(file);
     PartialTree part;
     for (const char* name : kCoarseNames) {
         const bool there = file.next(chunk) && chunk.name == name;
@@ -276,8 +276,8 @@ std::optional<VOctree> read_nvv_coarse(const std::filesystem::path& path) {
         if (chunk.raw_bytes > kMaxExtraBytes) file.fail_damaged("is larger than 4 GiB");
         read_chunk(file, part);
         if (part.done > kHead + 1) continue;
-        if (!same_clip(whole, part.head)) file.fail("has another clip or box than HEAD", "write the file again");
-        if (part.head.leaf_count > whole.leaf_count) file.fail("has more leaves than HEAD", "write the file again");
+        if (!same_clip(whole, part.header)) file.fail("has another clip or box than HEAD", "write the file again");
+        if (part.header.leaf_count > whole.leaf_count) file.fail("has more leaves than HEAD", "write the file again");
     }
     const std::string defect = defect_of(part.tree);
     if (!defect.empty()) throw InputError(path.string(), "the coarse tree", defect, "write the file again");
@@ -296,7 +296,7 @@ NvvSummary summarise_nvv(const std::filesystem::path& path) {
         if (summary.chunks.empty() != is_head) file.fail_damaged("HEAD must stand first, and once");
         summary.chunks.push_back({chunk.name, chunk.raw_bytes, chunk.stored_bytes});
         if (is_head)
-            summary.head = read_nvv_head(file);
+            summary.header = read_nvv_header(file);
         else
             file.skip(false);
     }

@@ -44,13 +44,13 @@ VOctree read_nvv(const std::filesystem::path& path, std::vector<NvvChunk>* extra
 std::optional<VOctree> read_nvv_coarse(const std::filesystem::path& path);
 
 // The chunk HEAD, laid out as in the file.
-struct NvvHead {
+struct NvvHeader {
     uint32_t node_levels, node_count, child_count, leaf_count;
     uint32_t bases, hh_degree, frames;
     float fps;
     glm::vec3 box_min, box_size;
 };
-NvvHead head_of(const VOctree& tree);
+NvvHeader header_of(const VOctree& tree);
 
 struct NvvSummary {
     struct Chunk {
@@ -59,7 +59,7 @@ struct NvvSummary {
     };
     uint32_t version = 0;
     uint64_t file_bytes = 0;
-    NvvHead head{};
+    NvvHeader header{};
     std::vector<Chunk> chunks;  // in file order, without END
 };
 

@@ -67,7 +67,7 @@ std::vector<NvvChunkView> ChunkOfFrame::views() const {
 WorldFrame read_world_frame(const std::filesystem::path& clip) {
     if (stream::is_stream(clip)) {
         const WorldFrame world = frame_of_stream(read_clip_index(clip).segments[0].stream->index().capture);
-        expect_sound(world, clip.string(), "head");
+        expect_sound(world, clip.string(), "header");
         return world;
     }
     if (!is_segmented(clip)) return content_of(clip) == FileContent::kClip ? frame_in_file(clip) : WorldFrame{};

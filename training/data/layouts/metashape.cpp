@@ -31,7 +31,7 @@ namespace {
 constexpr double kEarthScale_m = 1e6;  // geocentric positions are six times as far from the origin
 
 Choice metashape_file(const std::filesystem::path& folder) {
-    return newest_of(find_files_by_head(folder, ".xml", {"<document", "<chunk"}));
+    return newest_of(find_files_by_header(folder, ".xml", {"<document", "<chunk"}));
 }
 
 double number_of(const XmlNode& calibration, const char* name, double fallback = 0) {

@@ -90,7 +90,7 @@ CameraFiles camera_files(const std::filesystem::path& folder, std::string* remar
         CameraFiles files;
         for (const char* ending : {".yml", ".yaml"})
             for (const char* key : kMatrixKeys)
-                for (const auto& file : find_files_by_head(candidate, ending, {fmt::format("\n{}:", key)})) {
+                for (const auto& file : find_files_by_header(candidate, ending, {fmt::format("\n{}:", key)})) {
                     const auto [found, fresh] = files.try_emplace(file.stem().string(), file);
                     if (!fresh && found->second != file)
                         throw InputError(file.string(), "", "is of the same camera as " + found->second.string(),

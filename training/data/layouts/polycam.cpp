@@ -43,7 +43,7 @@ RigCamera polycam_camera(const JsonNode& root, const std::string& name) {
 
 bool has_polycam_files(const std::filesystem::path& folder) {
     for (const auto& [cameras, images] : kPolycamFolders)
-        if (!find_files_by_head(folder / cameras, ".json", {"t_00"}).empty()) return true;
+        if (!find_files_by_header(folder / cameras, ".json", {"t_00"}).empty()) return true;
     return false;
 }
 

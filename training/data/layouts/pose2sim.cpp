@@ -30,7 +30,7 @@ constexpr uint64_t kMaxTomlBytes = uint64_t{4} << 20;
 Choice toml_file(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> files;
     for (const auto& candidate : calibration_folders(folder))
-        for (const auto& file : find_files_by_head(candidate, ".toml", {"distortions", "rotation", "translation"}))
+        for (const auto& file : find_files_by_header(candidate, ".toml", {"distortions", "rotation", "translation"}))
             files.push_back(file);
     return newest_of(files);
 }

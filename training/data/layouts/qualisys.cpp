@@ -31,7 +31,7 @@ constexpr double kSmallestRig_mm = 50;  // cameras within so few units of the or
 Choice qca_file(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> files;
     for (const auto& candidate : calibration_folders(folder))
-        for (const auto& file : find_files_by_head(candidate, ".qca.txt", {"<calibration"})) files.push_back(file);
+        for (const auto& file : find_files_by_header(candidate, ".qca.txt", {"<calibration"})) files.push_back(file);
     return newest_of(files);
 }
 

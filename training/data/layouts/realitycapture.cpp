@@ -38,7 +38,7 @@ constexpr const char* kRequired[] = {"x", "y", "alt", "heading", "pitch", "roll"
 constexpr const char* kOptional[] = {"px", "py", "k1", "k2", "k3", "k4", "t1", "t2"};
 
 Choice table_file(const std::filesystem::path& folder) {
-    return newest_of(find_files_by_head(folder, ".csv", {"#name", "heading", "pitch", "roll"}));
+    return newest_of(find_files_by_header(folder, ".csv", {"#name", "heading", "pitch", "roll"}));
 }
 
 struct Row {

@@ -139,8 +139,8 @@ void expect_inside(const std::string& name, const std::string& file, const std::
                          "a data set reads nothing outside its folder");
 }
 
-std::vector<std::filesystem::path> find_files_by_head(const std::filesystem::path& folder, const std::string& ending,
-                                                      const std::vector<std::string>& texts) {
+std::vector<std::filesystem::path> find_files_by_header(const std::filesystem::path& folder, const std::string& ending,
+                                                        const std::vector<std::string>& texts) {
     constexpr size_t kHead = 4096;
     std::vector<std::filesystem::path> files = entries_of(folder);
     std::error_code ignored;
@@ -149,12 +149,12 @@ std::vector<std::filesystem::path> find_files_by_head(const std::filesystem::pat
                !std::filesystem::is_regular_file(file, ignored);
     });
     std::erase_if(files, [&](const std::filesystem::path& file) {
-        std::string head(1 + kHead, '\n');  // so that the file's first line is found as others are
+        std::string header(1 + kHead, '\n');  // so that the file's first line is found as others are
         std::ifstream stream(file, std::ios::binary);
-        stream.read(&head[1], kHead);
-        head.resize(1 + static_cast<size_t>(stream.gcount()));
+        stream.read(&header[1], kHead);
+        header.resize(1 + static_cast<size_t>(stream.gcount()));
         return !std::ranges::all_of(texts,
-                                    [&](const std::string& text) { return head.find(text) != std::string::npos; });
+                                    [&](const std::string& text) { return header.find(text) != std::string::npos; });
     });
     return files;
 }

@@ -43,7 +43,7 @@ void expect_inside(const std::string& name, const std::string& file, const std::
 
 // The files of a folder, in order of their names, that have this ending, in small letters or capitals, and whose first
 // kilobytes hold all of these texts: some programs leave the name of a calibration to their users.
-std::vector<std::filesystem::path> find_files_by_head(const std::filesystem::path& folder, const std::string& ending,
-                                                      const std::vector<std::string>& texts);
+std::vector<std::filesystem::path> find_files_by_header(const std::filesystem::path& folder, const std::string& ending,
+                                                        const std::vector<std::string>& texts);
 
 }  // namespace neuvv::training

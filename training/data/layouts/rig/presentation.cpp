@@ -23,8 +23,8 @@ bool is_video_frame(const ImageSource& image) {
     return image.video_frame >= 0;
 }
 
-std::string exif_note(const media::ImageHead& head, bool as_stored, const Rig& rig) {
-    const std::string turn = media::orientation_text(head.orientation);
+std::string exif_note(const media::ImageHeader& header, bool as_stored, const Rig& rig) {
+    const std::string turn = media::orientation_text(header.orientation);
     if (!as_stored) return fmt::format("images shown {}, as their Exif says", turn);
     return fmt::format("images not {}, as their Exif says, but used as stored, as {} was calibrated from", turn,
                        rig.file);
@@ -34,10 +34,10 @@ std::string exif_note(const media::ImageHead& head, bool as_stored, const Rig& r
 
 bool used_as_stored(const ImageSource& image, const Lens& lens, bool by_default) {
     if (is_video_frame(image)) return false;
-    const media::ImageHead head = media::image_head(image.path);
-    if (!media::exchanges_sides(head.orientation) || lens.width == 0 || lens.height == 0) return by_default;
-    const bool stored = same_shape(head.stored, lens);
-    return stored == same_shape(media::shown_size(head.stored, head.orientation), lens) ? by_default : stored;
+    const media::ImageHeader header = media::image_header(image.path);
+    if (!media::exchanges_sides(header.orientation) || lens.width == 0 || lens.height == 0) return by_default;
+    const bool stored = same_shape(header.stored, lens);
+    return stored == same_shape(media::shown_size(header.stored, header.orientation), lens) ? by_default : stored;
 }
 
 void settle_presentation(Rig& rig) {
@@ -55,9 +55,9 @@ void settle_presentation(Rig& rig) {
             continue;
         }
         as_stored[c] = used_as_stored(image, rig.cameras[c].lens, rig.images_as_stored);
-        const media::ImageHead head = media::image_head(image.path);
-        if (head.orientation != media::Orientation::kUpright)
-            texts.emplace_back(rig.cameras[c].name, exif_note(head, as_stored[c], rig));
+        const media::ImageHeader header = media::image_header(image.path);
+        if (header.orientation != media::Orientation::kUpright)
+            texts.emplace_back(rig.cameras[c].name, exif_note(header, as_stored[c], rig));
         rig.cameras[c].plate.as_stored = as_stored[c];
     }
     for (Shot& shot : rig.shots) shot.image.as_stored = shot.mask.as_stored = as_stored[shot.camera];
