@@ -27,7 +27,7 @@ CONSTEXPR uint kTraceEntries = 10u;
 // Only where instances are traced: the tiles that the instance may cover
 CONSTEXPR uint kTraceTileList = 11u;
 CONSTEXPR uint kTraceTileRanges = 12u;
-CONSTEXPR uint kTracePages = 16u;     // shared/segments.h
+CONSTEXPR uint kTracePages = 16u;     // shared/intervals.h
 CONSTEXPR uint kTraceSetDepth = 18u;  // per texel of the set's image: metres along the camera's axis
 CONSTEXPR uint kTraceLights = 19u;    // ShaderLights (shared/lights.h)
 CONSTEXPR uint kTraceSetShadows = 20u;
@@ -42,7 +42,7 @@ CONSTEXPR uint kShadowed = 2u;
 CONSTEXPR uint kOutputRay = 0u;           // it replaces what is stored
 CONSTEXPR uint kOutputLayer = 1u;         // it is blended under what is stored
 CONSTEXPR uint kOutputLayerByDepth = 2u;  // it is blended over or under what is stored, by depth (errata 11)
-CONSTEXPR uint kOutputSegments = 3u;      // its segments are stored for merge.comp
+CONSTEXPR uint kOutputIntervals = 3u;     // its intervals are stored for merge.comp
 CONSTEXPR uint kOutputInspect = 4u;       // statistics of the walk are stored instead of light (shared/inspect.h)
 
 // What a sample costs, by which march.glsl says how a walk loops

@@ -10,7 +10,7 @@ struct Composite {
 
 Composite composite_begin() { return Composite(vec3(0.0), 1.0, 0.0); }
 
-// One segment of density σ (1/m), length δ (m), colour c, centre z (m). Returns its blending weight T α.
+// One interval of density σ (1/m), length δ (m), colour c, centre z (m). Returns its blending weight T α.
 float composite_add(inout Composite sum, float sigma, float delta, vec3 c, float z) {
     const float alpha = 1.0 - exp(-sigma * delta);
     const float weight = sum.transmittance * alpha;
@@ -20,7 +20,7 @@ float composite_add(inout Composite sum, float sigma, float delta, vec3 c, float
     return weight;
 }
 
-// ∂L/∂σ of the segment that `so_far` has just taken in, given ∂L/∂C, ∂L/∂α̂ and the whole ray's result:
+// ∂L/∂σ of the interval that `so_far` has just taken in, given ∂L/∂C, ∂L/∂α̂ and the whole ray's result:
 //   δ · ( ∂L/∂C · (T_{i+1} c_i − Σ_{j>i} T_j α_j c_j) + ∂L/∂α̂ · T_end )
 float composite_adjoint(Composite so_far, Composite whole, float delta, vec3 c, vec3 d_colour, float d_alpha) {
     const vec3 behind = whole.colour - so_far.colour;

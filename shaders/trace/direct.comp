@@ -7,7 +7,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"
 #include "shared/lights.h"
-#include "shared/segments.h"
+#include "shared/intervals.h"
 #include "shared/trace.h"
 
 layout(local_size_x = kTilePixels) in;

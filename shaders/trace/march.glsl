@@ -48,7 +48,7 @@ struct March {
 };
 
 // The part of a ray inside one leaf, in metres along the ray.
-struct MarchSegment {
+struct MarchInterval {
     float t_in, t_out;
     int shift;  // log2 of the leaf's side, in finest cells
 };
@@ -159,15 +159,15 @@ bool march_find(inout March ray, out uint bit) {
 }
 
 // The ray's part in the node's next wanted leaf. False where there is none, or where a finer node comes first.
-bool march_leaf(inout March ray, out MarchSegment segment) {
+bool march_leaf(inout March ray, out MarchInterval interval) {
     uint bit;
     while (march_find(ray, bit)) {
         const uint child = march_child(node_child(ray.node, bit));
         if ((child & kLeafBit) == 0u) return false;
-        segment.t_in = ray.t;
-        segment.shift = ray.shift + (node_wide(ray.node, bit) ? 1 : 0);
-        segment.t_out = march_step(ray, segment.shift);
-        if (segment.t_out <= segment.t_in) continue;
+        interval.t_in = ray.t;
+        interval.shift = ray.shift + (node_wide(ray.node, bit) ? 1 : 0);
+        interval.t_out = march_step(ray, interval.shift);
+        if (interval.t_out <= interval.t_in) continue;
         ++ray.steps;
         if (march_wants(child & ~kLeafBit)) return true;
     }
@@ -175,7 +175,7 @@ bool march_leaf(inout March ray, out MarchSegment segment) {
 }
 
 // Goes over one cell of the node, or over empty ones around it. True where that was a wanted leaf.
-bool march_cell(inout March ray, out MarchSegment segment) {
+bool march_cell(inout March ray, out MarchInterval interval) {
     const uint bit = march_bit(ray);
     const bool lives = node_lives(ray.node, bit);
     const int empty = march_empty(ray, bit);  // by all lanes, as a branch here was slower
@@ -185,18 +185,18 @@ bool march_cell(inout March ray, out MarchSegment segment) {
         ray.in_node = false;
         return false;
     }
-    segment.t_in = ray.t;
-    segment.shift = ray.shift + (!lives ? empty : node_wide(ray.node, bit) ? 1 : 0);
-    segment.t_out = march_step(ray, segment.shift);
-    if (!leaf || segment.t_out <= segment.t_in) return false;
+    interval.t_in = ray.t;
+    interval.shift = ray.shift + (!lives ? empty : node_wide(ray.node, bit) ? 1 : 0);
+    interval.t_out = march_step(ray, interval.shift);
+    if (!leaf || interval.t_out <= interval.t_in) return false;
     ++ray.steps;
     return march_wants(child & ~kLeafBit);
 }
 
 // The ray's part in the next wanted leaf of the tree. False: there is none.
-bool march_next(inout March ray, out MarchSegment segment) {
+bool march_next(inout March ray, out MarchInterval interval) {
     bool found = false;
-    do found = march_leaf(ray, segment);
+    do found = march_leaf(ray, interval);
     while (!found && march_enter(ray));
     return found;
 }

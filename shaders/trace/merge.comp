@@ -1,13 +1,13 @@
-// Merge: blends the segments of several instances along a ray (shared/segments.h) in depth order. Where they overlap,
+// Merge: blends the intervals of several instances along a ray (shared/intervals.h) in depth order. Where they overlap,
 // densities add up and colours are weighted by density. This is the exact result that the paper's Algorithm 1
 // approximates (errata 11).
 // Reads pages; writes radiance and depth, blended under those of nearer instances. One workgroup per tile of rays, one
-// thread per ray; tiles that no instance covers end at once. Bound by memory and its latency: a header and a segment of
-// each list at each end of a segment.
+// thread per ray; tiles that no instance covers end at once. Bound by memory and its latency: a header and an interval of
+// each list at each end of an interval.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"
-#include "shared/segments.h"
+#include "shared/intervals.h"
 #include "shared/trace.h"
 
 layout(local_size_x = kTilePixels) in;
@@ -21,44 +21,44 @@ layout(push_constant) uniform Push { MergePush push; };
 #include "trace/layers.glsl"
 #include "trace/light_bits.glsl"
 
-const float kEnd = 1e30;  // metres: no segment begins or ends any more
+const float kEnd = 1e30;  // metres: no interval begins or ends any more
 
-// The sum of all lists' segments from a position on the ray to where the next segment begins or ends.
+// The sum of all lists' intervals from a position on the ray to where the next interval begins or ends.
 struct Stretch {
     float end;    // metres
     float sigma;  // 1/m
     vec3 light;   // Σ σ c
 };
 
-// The texel of the next segment of the same list, or 0 at its end.
-uint segment_after(uint at) {
+// The texel of the next interval of the same list, or 0 at its end.
+uint interval_after(uint at) {
     const uint next = pages[at - at % kPageWords].x;
-    if ((next & kLastPage) == 0u) return at % kPageWords < kPageSegments ? at + 1u : next * kPageWords + 1u;
+    if ((next & kLastPage) == 0u) return at % kPageWords < kPageIntervals ? at + 1u : next * kPageWords + 1u;
     return at % kPageWords < (next & ~kLastPage) ? at + 1u : 0u;
 }
 
-// Adds the list's segment at `begin` metres to the stretch; moves the list's cursor (header.w) over a segment that has
+// Adds the list's interval at `begin` metres to the stretch; moves the list's cursor (header.w) over an interval that has
 // ended.
 void add_list(uint list, float begin, inout Stretch stretch) {
     const uvec4 header = pages[list * kPageWords];
     uint at = header.w;
     if (at == 0u) return;
     if (uintBitsToFloat(pages[at].y) <= begin) {
-        at = segment_after(at);
+        at = interval_after(at);
         pages[list * kPageWords].w = at;
         if (at == 0u) return;
     }
-    const uvec4 segment = pages[at];
-    const float t_in = uintBitsToFloat(segment.x);
+    const uvec4 interval = pages[at];
+    const float t_in = uintBitsToFloat(interval.x);
     if (t_in > begin) {
         stretch.end = min(stretch.end, t_in);
         return;
     }
-    const vec2 first = unpackHalf2x16(segment.z);
-    const float t_out = uintBitsToFloat(segment.y), sigma = first.x / (t_out - t_in);
+    const vec2 first = unpackHalf2x16(interval.z);
+    const float t_out = uintBitsToFloat(interval.y), sigma = first.x / (t_out - t_in);
     stretch.end = min(stretch.end, t_out);
     stretch.sigma += sigma;
-    stretch.light += sigma * light_of_bits(header.z) * vec3(first.y, unpackHalf2x16(segment.w));
+    stretch.light += sigma * light_of_bits(header.z) * vec3(first.y, unpackHalf2x16(interval.w));
 }
 
 void main() {

@@ -37,7 +37,7 @@ void main() {
     vec3 colour = vec3(0.0);
     March march = march_begin((origin - push.box_min.xyz) / push.box_size.xyz, direction / push.box_size.xyz,
                               vec2(0.0, 1e30));
-    MarchSegment part;
+    MarchInterval part;
     while (left > 0.0 && march_enter(march))
         while (left > 0.0 && march_leaf(march, part)) {
             const float depth = sigma * (part.t_out - part.t_in);

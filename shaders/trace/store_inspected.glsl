@@ -9,8 +9,8 @@
 uint met_level = 0u;  // 0: alpha has not exceeded kInspectAlpha yet
 float met_metres;     // world
 
-// `before` and `after` are the transmittance before and after the segment, for an instance of opacity 1.
-void inspect_segment(Ray ray, MarchSegment part, float before, float after) {
+// `before` and `after` are the transmittance before and after the interval, for an instance of opacity 1.
+void inspect_interval(Ray ray, MarchInterval part, float before, float after) {
     const float threshold = 1.0 - kInspectAlpha / push.box_size.w;
     if (before <= threshold || after > threshold) return;
     met_level = 2u * kNodeLevels - push.levels_above - uint(part.shift);

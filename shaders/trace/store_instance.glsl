@@ -1,5 +1,5 @@
 // Stores a ray's result where a frame has several instances (trace_rays.glsl), as kRayOutput says: as a layer over or
-// under what earlier instances stored, as segments for merge.comp, as statistics of the walk, or alone. An instance of
+// under what earlier instances stored, as intervals for merge.comp, as statistics of the walk, or alone. An instance of
 // opacity o lets 1 − o (1 − T) of the light through where one of opacity 1 lets T through. The includer declares
 // the arrays `radiance` and `depth`, storage buffers `pages` and `heads`, utextureBuffer `sharing`, and what
 // shadow.glsl needs.
@@ -27,25 +27,25 @@ bool is_hidden(Ray ray) {
 
 uint first_page = 0u, page = 0u, in_page = 0u;
 bool no_room = false;
-float surface_t = -1.0;  // in the centre of the segment where the ray meets the surface; < 0 before it does
+float surface_t = -1.0;  // in the centre of the interval where the ray meets the surface; < 0 before it does
 
 // Whether another instance of the group may cover the ray's tile. Elsewhere a layer gives the same result at a lower
-// cost than segments.
+// cost than intervals.
 bool is_shared(Ray ray) {
-    return kRayOutput == kOutputSegments && texelFetch(sharing, int(ray.index / kTilePixels)).x > 1u;
+    return kRayOutput == kOutputIntervals && texelFetch(sharing, int(ray.index / kTilePixels)).x > 1u;
 }
 
-// Writes a page's header. `next` is the next page, or kLastPage | the number of segments in this page.
+// Writes a page's header. `next` is the next page, or kLastPage | the number of intervals in this page.
 void close_page(Ray ray, uint next) {
     const bool first = page == first_page;
     const uint before = first ? heads[kFirstHead + ray.index] : 0u, begin = first ? page * kPageWords + 1u : 0u;
     pages[page * kPageWords] = uvec4(next, before, 0u, begin);
 }
 
-// Makes room for one more segment in the ray's last page or in a new one. Returns false where no page is left;
+// Makes room for one more interval in the ray's last page or in a new one. Returns false where no page is left;
 // heads[0], the number of pages taken, then exceeds the number that exist.
 bool page_has_room(Ray ray) {
-    if (page != 0u && in_page < kPageSegments) return true;
+    if (page != 0u && in_page < kPageIntervals) return true;
     if (no_room) return false;
     const uint new_page = atomicAdd(heads[0], 1u) + 1u;
     no_room = new_page >= uint(pages.length()) / kPageWords;
@@ -57,9 +57,9 @@ bool page_has_room(Ray ray) {
     return true;
 }
 
-// `before` and `after` are the transmittance before and after the segment, for an instance of opacity 1.
-void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 colour) {
-    if (kRayOutput == kOutputInspect) inspect_segment(ray, part, before, after);
+// `before` and `after` are the transmittance before and after the interval, for an instance of opacity 1.
+void store_interval(Ray ray, MarchInterval part, float before, float after, vec3 colour) {
+    if (kRayOutput == kOutputInspect) inspect_interval(ray, part, before, after);
     if (surface_t < 0.0 && after < 1.0 - kSurfaceAlpha) surface_t = 0.5 * (part.t_in + part.t_out);
     if (!is_shared(ray) || before == after || !page_has_room(ray)) return;
     const float opacity = push.box_size.w;

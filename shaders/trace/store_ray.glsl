@@ -5,7 +5,7 @@
 
 bool is_hidden(Ray ray) { return false; }
 
-void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 colour) {}
+void store_interval(Ray ray, MarchInterval part, float before, float after, vec3 colour) {}
 
 void store_ray(Ray ray, vec4 light, float metres, uint steps) {
     STORE(radiance, int(ray.index), light);

@@ -11,8 +11,8 @@ namespace neuvv::reference {
 struct Sample {
     double sigma = 0;      // 1/m
     glm::dvec3 colour{0};  // linear, not premultiplied
-    double delta_m = 0;    // length of the segment
-    double z_m = 0;        // distance along the ray to the segment's centre
+    double delta_m = 0;    // length of the interval
+    double z_m = 0;        // distance along the ray to the interval's centre
 };
 
 struct RayResult {

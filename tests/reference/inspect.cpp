@@ -78,19 +78,19 @@ Inspected inspect(const voctree::VOctree& tree, const std::vector<LeafSlice>& sl
                   bool pruned, const InspectedRay& of) {
     Inspected result;
     double transmittance = 1, last = INFINITY;
-    for (const Segment& segment : intersect(tree, of.ray)) {
-        const double sigma = slices[segment.leaf].sigma;
+    for (const Interval& interval : intersect(tree, of.ray)) {
+        const double sigma = slices[interval.leaf].sigma;
         if (pruned && sigma <= 0) continue;
         ++result.leaves;
         const double threshold = 1 - 0.5 / of.opacity;
-        const double after = transmittance * std::exp(-sigma * (segment.t_exit - segment.t_enter));
+        const double after = transmittance * std::exp(-sigma * (interval.t_exit - interval.t_enter));
         if (result.level == 0 && after <= threshold) {
-            result.level = walk.leaves[segment.leaf].depth;
-            result.distance_m = segment.t_enter + std::log(transmittance / threshold) / sigma;
+            result.level = walk.leaves[interval.leaf].depth;
+            result.distance_m = interval.t_enter + std::log(transmittance / threshold) / sigma;
         }
         transmittance = after;
         if (transmittance >= of.stop) continue;
-        last = segment.t_enter;
+        last = interval.t_enter;
         break;
     }
     result.alpha = of.opacity * (1 - transmittance);

@@ -9,13 +9,13 @@ std::optional<PickResult> pick(const voctree::VOctree& tree, const std::vector<L
                                double alpha) {
     double transmittance = 1;
     glm::dvec3 colour(0);
-    for (const Segment& segment : intersect(tree, ray)) {
-        const double sigma = slices[segment.leaf].sigma;
-        const double after = transmittance * std::exp(-sigma * (segment.t_exit - segment.t_enter));
+    for (const Interval& interval : intersect(tree, ray)) {
+        const double sigma = slices[interval.leaf].sigma;
+        const double after = transmittance * std::exp(-sigma * (interval.t_exit - interval.t_enter));
         colour += (transmittance - std::max(after, 1 - alpha)) *
-                  sample_colour(slices[segment.leaf], tree.hh_degree, ray.direction);
+                  sample_colour(slices[interval.leaf], tree.hh_degree, ray.direction);
         if (after <= 1 - alpha)
-            return PickResult{segment.leaf, segment.t_enter + std::log(transmittance / (1 - alpha)) / sigma,
+            return PickResult{interval.leaf, interval.t_enter + std::log(transmittance / (1 - alpha)) / sigma,
                               colour / alpha};
         transmittance = after;
     }

@@ -66,13 +66,13 @@ glm::uvec3 offset_of(uint32_t bits) {
 
 // `corner` is the node's position among the nodes of its level, of which the box has `side` along each axis.
 void visit_node(const voctree::VOctree& tree, const TreeRay& ray, uint32_t node_index, glm::uvec3 corner, double side,
-                std::vector<Segment>& segments) {
+                std::vector<Interval>& intervals) {
     for (uint32_t octant = 0; octant < 8; ++octant) {
         const glm::uvec3 octant_cell = corner * 2u + offset_of(octant);
         const Interval in_octant = box_interval(ray, octant_cell, octant_cell + 1u, side * 2);
         if (in_octant.empty()) continue;
         if (const auto leaf = octant_leaf(tree, node_index, octant)) {
-            segments.push_back({*leaf, in_octant.enter, in_octant.exit});
+            intervals.push_back({*leaf, in_octant.enter, in_octant.exit});
             continue;
         }
         for (uint32_t i = 0; i < 8; ++i) {
@@ -82,16 +82,16 @@ void visit_node(const voctree::VOctree& tree, const TreeRay& ray, uint32_t node_
             const Interval in_cell = box_interval(ray, cell, cell + 1u, side * 4);
             if (in_cell.empty()) continue;
             if ((*child & kLeafBit) != 0) {
-                segments.push_back({*child & ~kLeafBit, in_cell.enter, in_cell.exit});
+                intervals.push_back({*child & ~kLeafBit, in_cell.enter, in_cell.exit});
             } else {
-                visit_node(tree, ray, *child, cell, side * 4, segments);
+                visit_node(tree, ray, *child, cell, side * 4, intervals);
             }
         }
     }
 }
 
-Sample sample_of(const Segment& segment, double sigma, glm::dvec3 colour) {
-    return {sigma, colour, segment.t_exit - segment.t_enter, 0.5 * (segment.t_enter + segment.t_exit)};
+Sample sample_of(const Interval& interval, double sigma, glm::dvec3 colour) {
+    return {sigma, colour, interval.t_exit - interval.t_enter, 0.5 * (interval.t_enter + interval.t_exit)};
 }
 
 TreeRay in_tree(const voctree::VOctree& tree, const Ray& ray) {
@@ -105,20 +105,20 @@ Interval intersect_box(const voctree::VOctree& tree, const Ray& ray, glm::uvec3 
     return box_interval(in_tree(tree, ray), first, end, side);
 }
 
-std::vector<Segment> intersect(const voctree::VOctree& tree, const Ray& ray) {
-    std::vector<Segment> segments;
-    if (tree.nodes.empty()) return segments;
-    visit_node(tree, in_tree(tree, ray), 0, glm::uvec3(0), 1, segments);
-    std::sort(segments.begin(), segments.end(),
-              [](const Segment& a, const Segment& b) { return a.t_enter < b.t_enter; });
-    return segments;
+std::vector<Interval> intersect(const voctree::VOctree& tree, const Ray& ray) {
+    std::vector<Interval> intervals;
+    if (tree.nodes.empty()) return intervals;
+    visit_node(tree, in_tree(tree, ray), 0, glm::uvec3(0), 1, intervals);
+    std::sort(intervals.begin(), intervals.end(),
+              [](const Interval& a, const Interval& b) { return a.t_enter < b.t_enter; });
+    return intervals;
 }
 
 std::vector<Sample> ray_samples(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray) {
     std::vector<Sample> samples;
-    for (const Segment& segment : intersect(tree, ray)) {
-        const LeafSlice& leaf = slices[segment.leaf];
-        samples.push_back(sample_of(segment, leaf.sigma, sample_colour(leaf, tree.hh_degree, ray.direction)));
+    for (const Interval& interval : intersect(tree, ray)) {
+        const LeafSlice& leaf = slices[interval.leaf];
+        samples.push_back(sample_of(interval, leaf.sigma, sample_colour(leaf, tree.hh_degree, ray.direction)));
     }
     return samples;
 }
@@ -127,14 +127,14 @@ std::vector<Sample> ray_samples_shaded(const voctree::VOctree& tree, const std::
                                        const std::vector<voctree::LeafPosition>& positions, glm::dvec3 eye,
                                        const Ray& ray) {
     std::vector<Sample> samples;
-    for (const Segment& segment : intersect(tree, ray)) {
-        const voctree::LeafPosition& position = positions[segment.leaf];
+    for (const Interval& interval : intersect(tree, ray)) {
+        const voctree::LeafPosition& position = positions[interval.leaf];
         const glm::dvec3 centre_tree =
             (glm::dvec3(position.x, position.y, position.z) + 0.5) / std::exp2(position.depth);
         const glm::dvec3 centre = glm::dvec3(tree.box_min) + centre_tree * glm::dvec3(tree.box_size);
-        const LeafSlice& leaf = slices[segment.leaf];
+        const LeafSlice& leaf = slices[interval.leaf];
         samples.push_back(
-            sample_of(segment, leaf.sigma, sample_colour(leaf, tree.hh_degree, glm::normalize(centre - eye))));
+            sample_of(interval, leaf.sigma, sample_colour(leaf, tree.hh_degree, glm::normalize(centre - eye))));
     }
     return samples;
 }
@@ -144,11 +144,11 @@ std::vector<Sample> ray_samples_direct(const voctree::VOctree& tree, double fram
     const std::vector<double> row_a = basis_row(tree.sigma_basis, tree.bases, rows);
     const std::vector<double> row_b = basis_row(tree.gamma_basis, tree.bases, rows);
     std::vector<Sample> samples;
-    for (const Segment& segment : intersect(tree, ray)) {
-        const LeafWeights weights = leaf_weights(tree, segment.leaf);
+    for (const Interval& interval : intersect(tree, ray)) {
+        const LeafWeights weights = leaf_weights(tree, interval.leaf);
         const LeafSlice leaf = slice(weights, row_a, row_b, tree.hh_degree);
         const glm::dvec3 colour = sample_colour_direct(weights, leaf.gamma, tree.hh_degree, ray.direction);
-        samples.push_back(sample_of(segment, leaf.sigma, colour));
+        samples.push_back(sample_of(interval, leaf.sigma, colour));
     }
     return samples;
 }
@@ -165,12 +165,12 @@ RayResult trace_direct(const voctree::VOctree& tree, double frame, const Ray& ra
 std::vector<LeafSliceGradient> trace_adjoint(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices,
                                              const Ray& ray, glm::dvec3 d_colour, double d_alpha,
                                              double stop_transmittance) {
-    const std::vector<Segment> segments = intersect(tree, ray);
+    const std::vector<Interval> intervals = intersect(tree, ray);
     const std::vector<SampleGradient> by_sample =
         composite_adjoint(ray_samples(tree, slices, ray), d_colour, d_alpha, stop_transmittance);
     std::vector<LeafSliceGradient> gradient;
-    for (size_t i = 0; i < segments.size(); ++i) {
-        const uint32_t leaf = segments[i].leaf;
+    for (size_t i = 0; i < intervals.size(); ++i) {
+        const uint32_t leaf = intervals[i].leaf;
         gradient.push_back({leaf, by_sample[i].sigma,
                             sample_colour_adjoint(slices[leaf], tree.hh_degree, ray.direction, by_sample[i].colour)});
     }

@@ -16,7 +16,7 @@ struct Ray {
 };
 
 // The part of a ray inside one leaf, in metres along the ray.
-struct Segment {
+struct Interval {
     uint32_t leaf = 0;
     double t_enter = 0;
     double t_exit = 0;
@@ -32,9 +32,9 @@ struct Interval {
 // cells along each axis. Two boxes that share a face get exactly the same number for it, whatever their sizes.
 Interval intersect_box(const voctree::VOctree& tree, const Ray& ray, glm::uvec3 first, glm::uvec3 end, double side);
 
-// All segments of positive length, near to far. A leaf gives at most one, however many cells of its node it fills.
-// Neighbouring segments have exactly the same number at their common border.
-std::vector<Segment> intersect(const voctree::VOctree& tree, const Ray& ray);
+// All intervals of positive length, near to far. A leaf gives at most one, however many cells of its node it fills.
+// Neighbouring intervals have exactly the same number at their common border.
+std::vector<Interval> intersect(const voctree::VOctree& tree, const Ray& ray);
 
 // The samples of a ray at one time, from slices (by leaf index) or from all weights.
 std::vector<Sample> ray_samples(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray);
@@ -56,7 +56,7 @@ struct LeafSliceGradient {
     double sigma = 0;
     ShCoefficients k{};
 };
-// One entry for each segment of intersect().
+// One entry for each interval of intersect().
 std::vector<LeafSliceGradient> trace_adjoint(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices,
                                              const Ray& ray, glm::dvec3 d_colour, double d_alpha,
                                              double stop_transmittance = 0);

@@ -1,4 +1,4 @@
-// Segments of rays on the host and the layers that are made of them, against brute force.
+// Intervals of rays on the host and the layers that are made of them, against brute force.
 #include "render/frame/image_layers.h"
 
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 
 #include "reference/merge.h"
 #include "render/rays/linear_image.h"
-#include "render/rays/ray_segments.h"
+#include "render/rays/ray_intervals.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"
@@ -131,7 +131,7 @@ Drawn draw(const gpu::Device& device, const voctree::VOctree& tree, uint32_t sam
     renderer.render(a_camera(), settings);
     const media::LinearImage flat = render::linear_image(renderer.radiance(), renderer.depth(), a_camera(), samples);
     render::ImageLayers layers(a_camera(), samples, kNames, set, {true, true}, settings.stop);
-    renderer.read_segments([&](glm::uvec2 ray, auto segments) { layers.add(ray, segments); });
+    renderer.read_intervals([&](glm::uvec2 ray, auto intervals) { layers.add(ray, intervals); });
     layers.finish();
     renderer.render(a_camera(), settings);
     EXPECT_EQ(render::linear_image(renderer.radiance(), renderer.depth(), a_camera(), samples).rgba, flat.rgba)
@@ -194,7 +194,7 @@ TEST_F(ImageLayersTest, DeepSamplesAreTheFlatImage) {
             for (const char* name : {"anna", "berta", "carla"}) covered += coverage_of(drawn.layers, i, name);
             raise(worst_sum, std::abs(covered - double{drawn.flat.rgba[4 * i + 3]}));
         }
-        EXPECT_LE(worst, 1.0 / 1024) << "segments are fp16";
+        EXPECT_LE(worst, 1.0 / 1024) << "intervals are fp16";
         EXPECT_LE(worst_sum, 1.0 / 1024);
         EXPECT_EQ(most, render::kDeepSamples) << "the limit is reached, and light and alpha are right all the same";
     }
@@ -259,18 +259,18 @@ TEST(DeepPixel, SurfacesAndGapsStaySharp) {
 
 // Too thin for a float to tell, and behind what lets nothing through.
 TEST(DeepPixel, WhatTakesNoLightIsNoStretch) {
-    const auto segment = [](float near_m, float far_m, float optical_depth) {
-        render::RaySegment one;
+    const auto interval = [](float near_m, float far_m, float optical_depth) {
+        render::RayInterval one;
         one.near_m = near_m;
         one.far_m = far_m;
         one.optical_depth = optical_depth;
         one.colour = glm::vec3(1);
         return one;
     };
-    const std::vector<render::RaySegment> thin = {segment(1, 3, 1e-9f), segment(4, 5, 200), segment(6, 8, 1)};
-    const std::vector<render::RaySegment> plain = {segment(2, 2.5f, 1), segment(7, 7.5f, 1)};
-    const std::vector<std::vector<render::RayStretch>> rays = {render::merge_segments(thin, 0).stretches,
-                                                               render::merge_segments(plain, 0).stretches};
+    const std::vector<render::RayInterval> thin = {interval(1, 3, 1e-9f), interval(4, 5, 200), interval(6, 8, 1)};
+    const std::vector<render::RayInterval> plain = {interval(2, 2.5f, 1), interval(7, 7.5f, 1)};
+    const std::vector<std::vector<render::RayStretch>> rays = {render::merge_intervals(thin, 0).stretches,
+                                                               render::merge_intervals(plain, 0).stretches};
     ASSERT_EQ(rays[0].size(), 1u);
     const std::vector<media::DeepSample> samples = render::deep_samples(rays);
     ASSERT_FALSE(samples.empty());

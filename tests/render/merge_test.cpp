@@ -124,7 +124,7 @@ TEST_F(MergeTest, ThePapersBlendIsWrongWhereInstancesStandInEachOther) {
     RecordProperty("mean_linear", std::to_string(mean / static_cast<double>(truth.radiance.size())));
 }
 
-// More segments than there is room for at first.
+// More intervals than there is room for at first.
 constexpr uint32_t kSide = 256;
 
 voctree::VOctree a_thicket() {
@@ -143,7 +143,7 @@ render::FrameSettings thicket_settings() {
     return settings;
 }
 
-TEST_F(MergeTest, SegmentsFindRoom) {
+TEST_F(MergeTest, IntervalsFindRoom) {
     const voctree::VOctree tree = a_thicket();
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const stage::Camera camera = thicket_camera();
@@ -151,7 +151,7 @@ TEST_F(MergeTest, SegmentsFindRoom) {
     render::FrameRenderer renderer(device(), field, {kSide, kSide});
     renderer.render(camera, settings);
     const std::vector<glm::vec4> grown = renderer.radiance();
-    const stage::Camera part = look_at({0, 0.5, 2.2}, {0, 0.5, 0}, 16, 16, 1);  // has few enough segments at once
+    const stage::Camera part = look_at({0, 0.5, 2.2}, {0, 0.5, 0}, 16, 16, 1);  // has few enough intervals at once
     settings.width = settings.height = 16;
     const Traced truth = together_by_reference({&tree}, settings.instances, part);
     renderer.render(part, settings);
@@ -178,32 +178,32 @@ TEST_F(MergeTest, AnInstanceBesideAGroupSeesRoomGrow) {
     grows.render(thicket_camera(), settings);
     EXPECT_EQ(grows.radiance(), grown);
     render::FrameCapacity tight_capacity{kSide, kSide};
-    tight_capacity.segment_budget = uint64_t{4} << 20;
+    tight_capacity.interval_budget = uint64_t{4} << 20;
     render::FrameRenderer tight(device(), field, tight_capacity);
     tight.render(thicket_camera(), settings);
     EXPECT_EQ(tight.radiance(), grown);
 }
 
-TEST_F(MergeTest, RaysGoInBandsWhereSegmentsFindNoRoom) {
+TEST_F(MergeTest, RaysGoInBandsWhereIntervalsFindNoRoom) {
     const render::Field field = render::upload_field(device(), a_thicket(), render::WeightPrecision::kHalf);
     render::FrameRenderer roomy(device(), field, {kSide, kSide});
     roomy.render(thicket_camera(), thicket_settings());
     EXPECT_EQ(passes(roomy, "merge"), 1u);
     render::FrameCapacity tight_capacity{kSide, kSide};
-    tight_capacity.segment_budget = uint64_t{4} << 20;
+    tight_capacity.interval_budget = uint64_t{4} << 20;
     render::FrameRenderer tight(device(), field, tight_capacity);
     tight.render(thicket_camera(), thicket_settings());
     EXPECT_GE(passes(tight, "merge"), 4u);
     EXPECT_EQ(tight.radiance(), roomy.radiance());
     EXPECT_EQ(tight.depth(), roomy.depth());
     tight_capacity = {32, 32};
-    tight_capacity.segment_budget = uint64_t{4} << 10;
+    tight_capacity.interval_budget = uint64_t{4} << 10;
     render::FrameRenderer hopeless(device(), field, tight_capacity);
     render::FrameSettings small = thicket_settings();
     small.width = small.height = 32;
     try {
         hopeless.render(look_at({0, 0.5, 2.2}, {0, 0.5, 0}, 32, 32, 1), small);
-        FAIL() << "a tile has more segments than fit in 4 KiB";
+        FAIL() << "a tile has more intervals than fit in 4 KiB";
     } catch (const RuntimeFailure& failure) {
         EXPECT_NE(std::string(failure.what()).find("--blend paper"), std::string::npos) << failure.what();
     }
@@ -221,7 +221,7 @@ TEST_F(MergeTest, AnOpacityOfOneIsTheSolidInstanceAndOfNoneIsNothing) {
     for (const glm::vec4& ray : radiance(0)) EXPECT_EQ(ray, glm::vec4(0));
 }
 
-// What a clip shows while one of its segments fades into the next.
+// What a clip shows while one of its intervals fades into the next.
 TEST_F(MergeTest, SharesOfTheDensityAreTheWhole) {
     const Crowd crowd(device());
     render::FrameRenderer renderer(device(), {&crowd.fields[0], &crowd.fields[1]}, {kWidth, kHeight});

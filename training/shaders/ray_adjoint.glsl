@@ -29,7 +29,7 @@ void main() {
     Composite sum = composite_begin();
     March march = march_begin((ray.origin - push.box_min.xyz) / push.box_size.xyz,
                               ray.direction / push.box_size.xyz, d_ray != vec4(0.0) ? ray.range : vec2(kFar, 0.0));
-    MarchSegment part;
+    MarchInterval part;
     while (sum.transmittance >= push.box_min.w && march_next(march, part)) {
             const float delta = part.t_out - part.t_in;
             const vec3 c = sample_colour();

@@ -94,24 +94,24 @@ void FrameRenderer::record_rays(const FrameSettings& settings) {
             record_merged(group, settings);
 }
 
-// Traces instances that have no order: their segments are merged and composited under what nearer groups left.
+// Traces instances that have no order: their intervals are merged and composited under what nearer groups left.
 void FrameRenderer::record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings) {
     record_clear_sharing(commands(), target_.ranges);
     for (const DrawnInstance& instance : group)
         record_sharing(commands(), *performers_[instance.field], kEyeTarget, instance, layout_);
     const auto groups = static_cast<uint32_t>(
         std::count_if(drawn_.begin(), drawn_.end(), [](const auto& drawn) { return drawn.size() > 1; }));
-    const uint64_t bands = segments_->bands(groups), all = layout_.ray_tiles();
+    const uint64_t bands = intervals_->bands(groups), all = layout_.ray_tiles();
     for (uint64_t band = 0; band < bands; ++band) {
         const TileSpan tiles{static_cast<uint32_t>(all * band / bands),
                              static_cast<uint32_t>(all * (band + 1) / bands)};
         if (tiles.first == tiles.end) continue;
-        record_merge_begin(commands(), *segments_);
+        record_merge_begin(commands(), *intervals_);
         for (DrawnInstance instance : group) {
             instance.rays.tiles = tiles;
             record_instance(commands(), *performers_[instance.field], kEyeTarget, instance, layout_);
         }
-        record_merge(commands(), *segments_, tiles, settings.stop);
+        record_merge(commands(), *intervals_, tiles, settings.stop);
     }
 }
 

@@ -10,13 +10,13 @@
 #include "media/image.h"
 #include "render/rays/clear_rays.h"
 #include "render/rays/image_list.h"
-#include "render/rays/ray_segments.h"
+#include "render/rays/ray_intervals.h"
 #include "render/rays/resolve.h"
 #include "render/volume/draw_order.h"
 #include "render/volume/field_levels.h"
 #include "render/volume/inspect.h"
+#include "render/volume/intervals.h"
 #include "render/volume/performer_shadows.h"
-#include "render/volume/segments.h"
 #include "render/volume/volume_depth.h"
 
 namespace neuvv::render {
@@ -65,7 +65,7 @@ struct FrameCapacity {
     // as FrameRenderer::change_fields says). With FrameSettings::far_levels their coarser levels take as much for each
     // leaf, which is about a third more in all. 0: no slices; the direct path draws all that is not painted.
     uint64_t slice_budget = kSliceBudget;
-    uint64_t segment_budget = UINT64_MAX;  // bytes of segments that are merged at once
+    uint64_t interval_budget = UINT64_MAX;  // bytes of intervals that are merged at once
 };
 
 // Everything that a frame needs on the device, created once. Where an image needs more memory than the device has left,
@@ -138,11 +138,11 @@ class FrameRenderer {
     std::vector<float> depth(uint32_t view = 0) const;
 
     // Traces the rays of the last image once more, which must have had one view without upscaling and must be finished,
-    // and calls `take` with the segments of each ray that has any, tile by tile. `ray` is its place in the rows of
+    // and calls `take` with the intervals of each ray that has any, tile by tile. `ray` is its place in the rows of
     // radiance(). Afterwards radiance() and depth() hold nothing, and the times are those of this work. Throws as
     // draw() does.
-    using TakeSegments = std::function<void(glm::uvec2 ray, std::span<const RaySegment> segments)>;
-    void read_segments(const TakeSegments& take);
+    using TakeIntervals = std::function<void(glm::uvec2 ray, std::span<const RayInterval> intervals)>;
+    void read_intervals(const TakeIntervals& take);
 
     // What the last image left on the device, of a field that was given, without its coarser levels. Null before the
     // first image.
@@ -177,10 +177,10 @@ class FrameRenderer {
     void record_blank(const FrameSettings& settings);
     void record_rays(const FrameSettings& settings);
     void record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings);
-    void record_segments(std::span<const DrawnInstance> instances, const TileSpan& tiles, const gpu::Buffer& heads);
+    void record_intervals(std::span<const DrawnInstance> instances, const TileSpan& tiles, const gpu::Buffer& heads);
     void take_band(std::span<const DrawnInstance> instances, const TileSpan& tiles, const gpu::Buffer& heads,
-                   const TakeSegments& take) const;
-    Segments& segments();
+                   const TakeIntervals& take) const;
+    Intervals& intervals();
     enum class Destination { kDevice, kHost };
     void choose_far_levels(std::span<const stage::Camera> cameras, FrameSettings& settings) const;
     void draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings,
@@ -223,7 +223,7 @@ class FrameRenderer {
     std::vector<std::unique_ptr<Paints>> paints_;         // by field of levels_.all
     std::vector<std::unique_ptr<Performer>> performers_;  // likewise; created by the first image
     std::optional<bool> far_levels_fit_;  // whether there was memory for all of levels_.all; nothing: not tried yet
-    std::unique_ptr<Segments> segments_;
+    std::unique_ptr<Intervals> intervals_;
     ImageLister lister_;
     Resolver resolver_, listed_resolver_;        // of all tiles; of the listed tiles
     std::unique_ptr<Resolver> upscaler_;         // created when first needed

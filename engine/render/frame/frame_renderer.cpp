@@ -222,7 +222,7 @@ void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, cons
                 drawn.push_back(*one);
         }
         if (drawn.size() > 1)
-            for (DrawnInstance& instance : drawn) instance.output = RayOutput::kSegments;
+            for (DrawnInstance& instance : drawn) instance.output = RayOutput::kIntervals;
         if (!drawn.empty()) drawn_.push_back(std::move(drawn));
     }
     if (shadows_) shadows_->prepare(levels_, settings.instances);
@@ -281,15 +281,15 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
         for (const DrawnInstance& instance : shadows_->drawn)
             performers_[instance.field]->prepare(kLightTarget, instance, nullptr);
     for (const auto& group : drawn_) {
-        if (group.size() > 1) segments();
+        if (group.size() > 1) intervals();
         for (const DrawnInstance& instance : group)
-            performers_[instance.field]->prepare(kEyeTarget, instance, segments_.get());
+            performers_[instance.field]->prepare(kEyeTarget, instance, intervals_.get());
     }
 }
 
-Segments& FrameRenderer::segments() {
-    if (!segments_) segments_ = std::make_unique<Segments>(device_, target_, kMaxMerges, capacity_.segment_budget);
-    return *segments_;
+Intervals& FrameRenderer::intervals() {
+    if (!intervals_) intervals_ = std::make_unique<Intervals>(device_, target_, kMaxMerges, capacity_.interval_budget);
+    return *intervals_;
 }
 
 bool FrameRenderer::drop_slices() {

@@ -10,7 +10,7 @@ namespace neuvv::render {
 
 // Whether the image of this slot, which must be finished, needed more room on the device than there was.
 bool FrameRenderer::overflowed(uint32_t slot) const {
-    return (segments_ && segments_->overflowed(slot)) ||
+    return (intervals_ && intervals_->overflowed(slot)) ||
            std::ranges::any_of(performers_, [slot](const auto& one) { return one && one->overflowed(slot); });
 }
 
@@ -24,13 +24,13 @@ void FrameRenderer::enlarge() {
     try {
         for (const auto& performer : performers_)
             if (performer && in_any(*performer)) performer->enlarge_slices();
-        if (segments_ && in_any(*segments_)) {
+        if (intervals_ && in_any(*intervals_)) {
             for (const auto& performer : performers_)
-                if (performer) performer->forget_segments();
-            segments_->enlarge();
+                if (performer) performer->forget_intervals();
+            intervals_->enlarge();
         }
     } catch (const gpu::VulkanError& error) {
-        segments_.reset();
+        intervals_.reset();
         drop_slices_or_rethrow(error);
     }
 }
@@ -46,7 +46,7 @@ void FrameRenderer::submit_to(Destination to, std::span<const stage::Camera> cam
     }
     const TraceSpan span("record a frame");
     const FrameSettings settings = begin_with_memory_left(cameras, given);
-    if (segments_) segments_->begin_frame(slot_);
+    if (intervals_) intervals_->begin_frame(slot_);
     commands().begin();
     record_frame(settings);
     if (to == Destination::kHost) record_readback();

@@ -39,12 +39,12 @@ ImageLayers::ImageLayers(const stage::Camera& camera, uint32_t samples, std::spa
     deep.height = camera.height;
 }
 
-void ImageLayers::add(glm::uvec2 ray, std::span<const RaySegment> segments) {
+void ImageLayers::add(glm::uvec2 ray, std::span<const RayInterval> intervals) {
     finish_rows(ray.y / kTile * kTile / samples_);
     RowOfRays& row = rows_[ray.y / samples_];
     row.resize(size_t{samples_} * rays_.width);
     const size_t of_pixel = ray.y % samples_ * samples_ + ray.x % samples_;
-    row[size_t{ray.x / samples_} * samples_ * samples_ + of_pixel].assign(segments.begin(), segments.end());
+    row[size_t{ray.x / samples_} * samples_ * samples_ + of_pixel].assign(intervals.begin(), intervals.end());
 }
 
 void ImageLayers::finish_rows(uint32_t end) {
@@ -83,12 +83,12 @@ void ImageLayers::add_set(MergedRay& ray, size_t index) const {
     ray.seen.push_back({set, front.a});
 }
 
-ImageLayers::Pixel ImageLayers::pixel_of(glm::uvec2 at, std::span<const std::vector<RaySegment>> rays) const {
+ImageLayers::Pixel ImageLayers::pixel_of(glm::uvec2 at, std::span<const std::vector<RayInterval>> rays) const {
     std::vector<std::vector<RayStretch>> stretches;
     std::vector<media::IdRank> ranks;
     for (uint32_t i = 0; i < rays.size(); ++i) {
         const glm::uvec2 ray = samples_ * at + glm::uvec2(i % samples_, i / samples_);
-        MergedRay merged = merge_segments(rays[i], stop_);
+        MergedRay merged = merge_intervals(rays[i], stop_);
         const float to_axis = axis_per_ray(rays_, ray);
         for (RayStretch& stretch : merged.stretches) {
             stretch.near_m *= to_axis;

@@ -19,7 +19,7 @@ struct SetRays {
 // Of all surfaces that are no performer's. Where a performer has this name, "_" is appended until none has it.
 constexpr const char* kSetName = "set";
 
-// Gathers the layers of one image from FrameRenderer::read_segments.
+// Gathers the layers of one image from FrameRenderer::read_intervals.
 class ImageLayers {
   public:
     struct Wanted {
@@ -32,7 +32,7 @@ class ImageLayers {
                 Wanted wanted, float stop);
 
     // In the order of tiles.
-    void add(glm::uvec2 ray, std::span<const RaySegment> segments);
+    void add(glm::uvec2 ray, std::span<const RayInterval> intervals);
     // After the last ray.
     void finish() { finish_rows(camera_.height); }
 
@@ -40,13 +40,13 @@ class ImageLayers {
     media::DeepImage deep;
 
   private:
-    using RowOfRays = std::vector<std::vector<RaySegment>>;  // of a row of pixels, pixel by pixel
+    using RowOfRays = std::vector<std::vector<RayInterval>>;  // of a row of pixels, pixel by pixel
     struct Pixel {
         std::array<media::IdRank, media::kIdRanks> ranks;
         std::vector<media::DeepSample> samples;
     };
     void finish_rows(uint32_t end);
-    Pixel pixel_of(glm::uvec2 at, std::span<const std::vector<RaySegment>> rays) const;
+    Pixel pixel_of(glm::uvec2 at, std::span<const std::vector<RayInterval>> rays) const;
     void add_set(MergedRay& ray, size_t index) const;
 
     stage::Camera camera_, rays_;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "media/deep_exr.h"
-#include "render/rays/ray_segments.h"
+#include "render/rays/ray_intervals.h"
 
 namespace neuvv::render {
 

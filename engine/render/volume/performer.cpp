@@ -46,14 +46,14 @@ size_t TargetPasses::tree_tracer_index(Shading shading, RayOutput output) {
     return 5 * static_cast<size_t>(shading) + static_cast<size_t>(output);
 }
 
-void TargetPasses::ensure_tree_tracer(Shading shading, RayOutput output, const Segments* segments) {
+void TargetPasses::ensure_tree_tracer(Shading shading, RayOutput output, const Intervals* intervals) {
     std::unique_ptr<TreeTracer>& tracer = tree_tracers[tree_tracer_index(shading, output)];
     if (tracer) return;
     if (!tree_ranger) tree_ranger = std::make_unique<TileRanger>(device, field, trees, target.ranges);
     const bool shaded = shading == Shading::kPerLeaf;
     if (shaded && !per_leaf) per_leaf = std::make_unique<Shaded>(device, field, *trees, views);
     tracer = std::make_unique<TreeTracer>(device, field, *trees, shaded ? per_leaf->entries : trees->entries, target,
-                                          shading, output, segments);
+                                          shading, output, intervals);
 }
 
 void TargetPasses::ensure_highlighter(const BoneBinder& binder) {
@@ -64,17 +64,17 @@ void TargetPasses::ensure_direct_ranger() {
     if (!direct_ranger) direct_ranger = std::make_unique<TileRanger>(device, field, nullptr, target.ranges);
 }
 
-void TargetPasses::ensure_direct_tracer(RayOutput output, const Segments* segments) {
+void TargetPasses::ensure_direct_tracer(RayOutput output, const Intervals* intervals) {
     std::unique_ptr<DirectTracer>& tracer = direct_tracers[static_cast<size_t>(output)];
     if (tracer) return;
     ensure_direct_ranger();
-    tracer = std::make_unique<DirectTracer>(device, field, live, target, output, segments);
+    tracer = std::make_unique<DirectTracer>(device, field, live, target, output, intervals);
 }
 
-void TargetPasses::forget_segments() {
+void TargetPasses::forget_intervals() {
     for (const Shading shading : {Shading::kPerRay, Shading::kPerLeaf, Shading::kNone})
-        tree_tracers[tree_tracer_index(shading, RayOutput::kSegments)].reset();
-    direct_tracers[static_cast<size_t>(RayOutput::kSegments)].reset();
+        tree_tracers[tree_tracer_index(shading, RayOutput::kIntervals)].reset();
+    direct_tracers[static_cast<size_t>(RayOutput::kIntervals)].reset();
 }
 
 Performer::Performer(const gpu::Device& device, const Field& field, const Paints& paints, uint64_t slice_budget)
@@ -148,9 +148,9 @@ void Performer::prepare(std::span<const SliceKey> slices, std::span<const SliceK
         slices_->request_prefetch(next);
 }
 
-void Performer::prepare(uint32_t target, const DrawnInstance& instance, const Segments* segments) {
+void Performer::prepare(uint32_t target, const DrawnInstance& instance, const Intervals* intervals) {
     if (slices_ && (instance.paint != 0 || slices_->find(instance.slice()))) {
-        passes_[target]->ensure_tree_tracer(instance.shading, instance.output, segments);
+        passes_[target]->ensure_tree_tracer(instance.shading, instance.output, intervals);
         if (instance.highlight) {
             if (!bone_binder_) bone_binder_ = std::make_unique<BoneBinder>(device_, field_, slices_->trees());
             passes_[target]->ensure_highlighter(*bone_binder_);
@@ -160,11 +160,11 @@ void Performer::prepare(uint32_t target, const DrawnInstance& instance, const Se
     if (slices_ && instance.paint != 0)
         passes_[target]->ensure_direct_ranger();
     else
-        passes_[target]->ensure_direct_tracer(instance.output, segments);
+        passes_[target]->ensure_direct_tracer(instance.output, intervals);
 }
 
-void Performer::forget_segments() {
-    for (const auto& passes : passes_) passes->forget_segments();
+void Performer::forget_intervals() {
+    for (const auto& passes : passes_) passes->forget_intervals();
 }
 
 uint64_t Performer::used_entries(uint32_t slot) const {

@@ -24,7 +24,7 @@ struct Instance {
     float density = 1;                  // above 0: what its densities are multiplied by, also in its shadows
     bool casts_shadow = true, receives_shadow = true;
     std::shared_ptr<const Highlight> highlight;  // null: none
-    uint32_t performer = 0;                      // whose segments of rays these are: of a stage, its index there
+    uint32_t performer = 0;                      // whose intervals of rays these are: of a stage, its index there
 };
 
 // Returns Shading::kPerLeaf where shading once a leaf looks the same as shading along each ray and is less work, else
@@ -52,16 +52,16 @@ struct TargetPasses {
     TargetPasses(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees* trees,
                  const RayTarget& target, uint32_t views);
 
-    // Create the passes for an instance, before an image is recorded. `segments` must not be null where `output` is
-    // kSegments.
-    void ensure_tree_tracer(Shading shading, RayOutput output, const Segments* segments);
+    // Create the passes for an instance, before an image is recorded. `intervals` must not be null where `output` is
+    // kIntervals.
+    void ensure_tree_tracer(Shading shading, RayOutput output, const Intervals* intervals);
     // After the tree tracer of an instance with a highlight.
     void ensure_highlighter(const BoneBinder& binder);
-    void ensure_direct_tracer(RayOutput output, const Segments* segments);
+    void ensure_direct_tracer(RayOutput output, const Intervals* intervals);
     // The ranger for instances without a slice, which takes all leaves as live.
     void ensure_direct_ranger();
-    // Drops the passes that are bound to the buffers of segments: to be called before these are replaced.
-    void forget_segments();
+    // Drops the passes that are bound to the buffers of intervals: to be called before these are replaced.
+    void forget_intervals();
 
     // Null as long as no instance was shaded a leaf.
     const gpu::Buffer* shaded() const { return per_leaf ? &per_leaf->entries : nullptr; }
@@ -112,14 +112,14 @@ class Performer {
     // first, and the slices of the next images (`next`, to be prefetched). Then the second function is called for each
     // instance of each target. Both create on the device what is missing.
     void prepare(std::span<const SliceKey> slices, std::span<const SliceKey> next = {});
-    void prepare(uint32_t target, const DrawnInstance& instance, const Segments* segments);
+    void prepare(uint32_t target, const DrawnInstance& instance, const Intervals* intervals);
     // Whether prepare() would replace slices that images under way read, if it were given these.
     bool replaces_slices(std::span<const SliceKey> slices) const;
     // Whether a slice had more entries than there was room for in an image that is finished, by its slot. Then the
     // slices need more room, and the image must be prepared and recorded again. No image may be under way.
     bool overflowed(uint32_t slot) const;
     void enlarge_slices();
-    void forget_segments();
+    void forget_intervals();
     // The number of live leaves and of live nodes above them, in the slices that the last image used; `slot` is that of
     // an image that is finished.
     uint64_t used_entries(uint32_t slot) const;

@@ -2,7 +2,7 @@
 
 #include <cassert>
 
-#include "render/volume/segments.h"
+#include "render/volume/intervals.h"
 
 #include "spirv/direct.comp.h"
 #include "spirv/trace.comp.h"
@@ -41,14 +41,14 @@ gpu::Bindings trace_bindings(const Field& field, const RayBatch& rays) {
 
 // Bindings of buffers that do not exist get other buffers of the same formats, which are not read.
 gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, RayOutput output,
-                                const Segments* segments) {
-    assert(output != RayOutput::kSegments || segments);
-    const bool bound = output == RayOutput::kSegments;
+                                const Intervals* intervals) {
+    assert(output != RayOutput::kIntervals || intervals);
+    const bool bound = output == RayOutput::kIntervals;
     return gpu::joined(trace_bindings(field, target.rays),
                        {{kTraceTileList, &target.ranges.list},
                         {kTraceTileRanges, &target.ranges.ranges},
                         {kTraceSharing, &target.ranges.sharing},
-                        {kTracePages, bound ? &segments->pages() : &target.no_lights},
+                        {kTracePages, bound ? &intervals->pages() : &target.no_lights},
                         {kTraceSetDepth, target.set_buffers.set_depth},
                         {kTraceLights, target.set_buffers.lights},
                         {kTraceSetShadows, target.set_buffers.set_shadows},
@@ -91,7 +91,7 @@ DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, 
                                                           {kTracePerformerShadows, &rays.cameras}})) {}
 
 DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, const LiveLeaves& live,
-                           const RayTarget& target, RayOutput output, const Segments* segments)
+                           const RayTarget& target, RayOutput output, const Intervals* intervals)
     : field(given_field),
       tile_count(&target.ranges.count),
       pass(device, "direct", device.buffers().fitting(direct_comp, direct_comp_storage),
@@ -99,7 +99,7 @@ DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, 
             static_cast<uint32_t>(output), field.half_weights ? 1u : 0u, field.has_srgb_colours ? 1u : 0u,
             field.weights_by_address ? 1u : 0u}),
       set(pass, gpu::joined({{kTraceWeights, &field.bound_weights()}, {kTraceRows, &live.rows}},
-                            instance_bindings(field, target, output, segments))) {}
+                            instance_bindings(field, target, output, intervals))) {}
 
 void record_direct(gpu::Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop) {
     const gpu::PassScope scope(commands, tracer.pass.name());

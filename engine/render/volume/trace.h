@@ -29,7 +29,7 @@ enum class Walk {
 enum class RayOutput : uint32_t {
     kLayer = kOutputLayer,                // under what is there: for instances in draw order
     kLayerByDepth = kOutputLayerByDepth,  // over or under it, by depth: the paper's Algorithm 1 (errata 11)
-    kSegments = kOutputSegments,          // stored as segments, to be merged with those of others
+    kIntervals = kOutputIntervals,        // stored as intervals, to be merged with those of others
     kInspect = kOutputInspect,            // level and steps of the walks in place of light (shared/inspect.h)
 };
 
@@ -50,15 +50,15 @@ struct InstanceRays {
 };
 
 struct RayTarget;
-class Segments;
+class Intervals;
 
 // Traces as the paper does, with all numbers of a leaf at each sample. It needs only the rows of a slice (record_rows).
 struct DirectTracer {
     DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
                  Walk walk = Walk::kFromGrid);
-    // For instances. `segments` must not be null where `output` is kSegments (assert).
+    // For instances. `intervals` must not be null where `output` is kIntervals (assert).
     DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const RayTarget& target,
-                 RayOutput output, const Segments* segments);
+                 RayOutput output, const Intervals* intervals);
 
     const Field& field;
     const gpu::Buffer* tile_count = nullptr;
@@ -77,8 +77,8 @@ void record_direct_instance(gpu::Commands& commands, const DirectTracer& tracer,
 TracePush trace_push(const Field& field, float stop);
 TracePush instance_push(const Field& field, const InstanceRays& rays);
 gpu::Bindings trace_bindings(const Field& field, const RayBatch& rays);
-// `segments` are bound only where `output` is kSegments, because their buffers may be replaced by larger ones.
+// `intervals` are bound only where `output` is kIntervals, because their buffers may be replaced by larger ones.
 gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, RayOutput output,
-                                const Segments* segments);
+                                const Intervals* intervals);
 
 }  // namespace neuvv::render

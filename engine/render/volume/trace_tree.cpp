@@ -8,7 +8,7 @@ namespace neuvv::render {
 
 TreeTracer::TreeTracer(const gpu::Device& device, const Field& given_field, const SliceTrees& given_trees,
                        const gpu::Buffer& entries, const RayTarget& given_target, Shading shading, RayOutput output,
-                       const Segments* segments, const WalkSteps& steps)
+                       const Intervals* intervals, const WalkSteps& steps)
     : field(given_field),
       trees(given_trees),
       target(given_target),
@@ -17,7 +17,7 @@ TreeTracer::TreeTracer(const gpu::Device& device, const Field& given_field, cons
             steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u, static_cast<uint32_t>(output),
             shading == Shading::kNone ? 1u : 0u, field.has_srgb_colours ? 1u : 0u}),
       set(pass, gpu::joined({{kTraceNodes, &trees.nodes}, {kTraceEntries, &entries}},
-                            instance_bindings(field, target, output, segments))) {}
+                            instance_bindings(field, target, output, intervals))) {}
 
 void record_trace_tree(gpu::Commands& commands, const TreeTracer& tracer, uint32_t slice, const InstanceRays& rays) {
     const gpu::PassScope scope(commands, "trace");

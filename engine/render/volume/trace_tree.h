@@ -1,7 +1,7 @@
 // Trace of an instance by its slice tree, for the tiles that it may cover.
 #pragma once
 
-#include "render/volume/segments.h"
+#include "render/volume/intervals.h"
 #include "render/volume/slices/slice_tree.h"
 
 namespace neuvv::render {
@@ -18,11 +18,11 @@ struct WalkSteps {
 };
 
 struct TreeTracer {
-    // `entries` are those of the trees, or shaded ones for Shading::kPerLeaf. `segments` must not be null where
-    // `output` is kSegments (assert).
+    // `entries` are those of the trees, or shaded ones for Shading::kPerLeaf. `intervals` must not be null where
+    // `output` is kIntervals (assert).
     TreeTracer(const gpu::Device& device, const Field& field, const SliceTrees& trees, const gpu::Buffer& entries,
                const RayTarget& target, Shading shading, RayOutput output = RayOutput::kLayer,
-               const Segments* segments = nullptr, const WalkSteps& steps = {});
+               const Intervals* intervals = nullptr, const WalkSteps& steps = {});
 
     const Field& field;
     const SliceTrees& trees;

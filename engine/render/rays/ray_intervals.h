@@ -1,4 +1,4 @@
-// Segments of rays on the host: which leaves of which performers a ray passes through, for what needs more of a ray
+// Intervals of rays on the host: which leaves of which performers a ray passes through, for what needs more of a ray
 // than its light.
 #pragma once
 
@@ -9,11 +9,11 @@
 namespace neuvv::render {
 
 // The part of a ray inside a leaf.
-struct RaySegment {
+struct RayInterval {
     float near_m = 0, far_m = 0;  // along the ray, world
     float optical_depth = 0;
     glm::vec3 colour{0};     // linear, as the stage's lights show it, not premultiplied
-    uint32_t instance = 0;   // segments of an instance stand together, from near to far
+    uint32_t instance = 0;   // intervals of an instance stand together, from near to far
     uint32_t performer = 0;  // Instance::performer
 };
 
@@ -35,17 +35,17 @@ struct MergedRay {
     std::vector<SeenPerformer> seen;    // in no order, each performer once; the shares' sum is the ray's alpha
 };
 
-// What merge.comp does: where segments of several instances overlap, densities add up and colours are weighted by
+// What merge.comp does: where intervals of several instances overlap, densities add up and colours are weighted by
 // density. The ray ends where less than `stop` passes.
-MergedRay merge_segments(std::span<const RaySegment> segments, float stop);
+MergedRay merge_intervals(std::span<const RayInterval> intervals, float stop);
 
-// Pages of segments, as shared/segments.h describes them. `pages_after` has the number of pages in use after each
+// Pages of intervals, as shared/intervals.h describes them. `pages_after` has the number of pages in use after each
 // instance that was traced, one after the other; `performers` has whose they are.
-struct SegmentPages {
+struct IntervalPages {
     std::span<const glm::uvec4> texels;
     std::span<const uint32_t> pages_after, performers;
 };
-// Appends the segments of a ray, whose first list begins at page `first` (0: it has none).
-void read_segments(const SegmentPages& pages, uint32_t first, std::vector<RaySegment>& segments);
+// Appends the intervals of a ray, whose first list begins at page `first` (0: it has none).
+void read_intervals(const IntervalPages& pages, uint32_t first, std::vector<RayInterval>& intervals);
 
 }  // namespace neuvv::render

@@ -1,4 +1,4 @@
-#include "render/rays/ray_segments.h"
+#include "render/rays/ray_intervals.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "shared/segments.h"
+#include "shared/intervals.h"
 #include "voctree/files/half.h"
 
 namespace neuvv::render {
@@ -24,30 +24,30 @@ glm::vec2 halves_of(uint32_t word) {
             voctree::float_from_half(static_cast<uint16_t>(word >> 16))};
 }
 
-RaySegment segment_of(const glm::uvec4& words, const glm::vec3& light) {
+RayInterval interval_of(const glm::uvec4& words, const glm::vec3& light) {
     const glm::vec2 first = halves_of(words.z), second = halves_of(words.w);
-    RaySegment segment;
-    segment.near_m = std::bit_cast<float>(words.x);
-    segment.far_m = std::bit_cast<float>(words.y);
-    segment.optical_depth = first.x;
-    segment.colour = light * glm::vec3(first.y, second.x, second.y);
-    return segment;
+    RayInterval interval;
+    interval.near_m = std::bit_cast<float>(words.x);
+    interval.far_m = std::bit_cast<float>(words.y);
+    interval.optical_depth = first.x;
+    interval.colour = light * glm::vec3(first.y, second.x, second.y);
+    return interval;
 }
 
-// The segments of one instance, and the one that the merge has come to.
-using Cursor = std::span<const RaySegment>;
+// The intervals of one instance, and the one that the merge has come to.
+using Cursor = std::span<const RayInterval>;
 
-std::vector<Cursor> cursors_of(std::span<const RaySegment> segments) {
+std::vector<Cursor> cursors_of(std::span<const RayInterval> intervals) {
     std::vector<Cursor> cursors;
-    for (size_t begin = 0, end = 0; begin < segments.size(); begin = end) {
-        while (end < segments.size() && segments[end].instance == segments[begin].instance) ++end;
-        cursors.push_back(segments.subspan(begin, end - begin));
+    for (size_t begin = 0, end = 0; begin < intervals.size(); begin = end) {
+        while (end < intervals.size() && intervals[end].instance == intervals[begin].instance) ++end;
+        cursors.push_back(intervals.subspan(begin, end - begin));
     }
     return cursors;
 }
 
-float sigma_of(const RaySegment& segment) {
-    return segment.optical_depth / (segment.far_m - segment.near_m);
+float sigma_of(const RayInterval& interval) {
+    return interval.optical_depth / (interval.far_m - interval.near_m);
 }
 
 void add_seen(MergedRay& ray, uint32_t performer, float share) {
@@ -61,9 +61,9 @@ void add_seen(MergedRay& ray, uint32_t performer, float share) {
 
 }  // namespace
 
-MergedRay merge_segments(std::span<const RaySegment> segments, float stop) {
+MergedRay merge_intervals(std::span<const RayInterval> intervals, float stop) {
     constexpr float kEnd = std::numeric_limits<float>::infinity();
-    std::vector<Cursor> cursors = cursors_of(segments);
+    std::vector<Cursor> cursors = cursors_of(intervals);
     MergedRay ray;
     float begin = 0, transmittance = 1;
     while (transmittance >= stop) {
@@ -92,7 +92,7 @@ MergedRay merge_segments(std::span<const RaySegment> segments, float stop) {
     return ray;
 }
 
-void read_segments(const SegmentPages& pages, uint32_t first, std::vector<RaySegment>& segments) {
+void read_intervals(const IntervalPages& pages, uint32_t first, std::vector<RayInterval>& intervals) {
     for (uint32_t list = first; list != 0; list = pages.texels[size_t{list} * kPageWords].y) {
         const auto owner = std::lower_bound(pages.pages_after.begin(), pages.pages_after.end(), list);
         assert(owner != pages.pages_after.end() && "an instance has each page");
@@ -101,11 +101,11 @@ void read_segments(const SegmentPages& pages, uint32_t first, std::vector<RaySeg
         for (uint32_t page = list; page != 0;) {
             const glm::uvec4* texels = &pages.texels[size_t{page} * kPageWords];
             const bool last = (texels[0].x & kLastPage) != 0;
-            const uint32_t count = last ? texels[0].x & ~kLastPage : kPageSegments;
+            const uint32_t count = last ? texels[0].x & ~kLastPage : kPageIntervals;
             for (uint32_t i = 1; i <= count; ++i) {
-                segments.push_back(segment_of(texels[i], light));
-                segments.back().instance = instance;
-                segments.back().performer = pages.performers[instance];
+                intervals.push_back(interval_of(texels[i], light));
+                intervals.back().instance = instance;
+                intervals.back().performer = pages.performers[instance];
             }
             page = last ? 0 : texels[0].x;
         }

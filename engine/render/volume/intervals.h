@@ -1,28 +1,28 @@
-// Segments: samples of overlapping instances, which are stored along rays and merged in depth order (exact blending).
+// Intervals: samples of overlapping instances, which are stored along rays and merged in depth order (exact blending).
 #pragma once
 
 #include "render/rays/ray_target.h"
 #include "render/volume/trace.h"
-#include "shared/segments.h"
+#include "shared/intervals.h"
 
 #include <algorithm>
 #include <array>
 
 namespace neuvv::render {
 
-// The memory of segments, and the merges of a frame's groups of instances, one after the other. The number of segments
-// is known only after the frame is drawn. Where a device cannot hold all of them, the tiles are divided into bands,
-// which are traced and merged one after the other.
-class Segments {
+// The memory of intervals, and the merges of a frame's groups of instances, one after the other. The number of
+// intervals is known only after the frame is drawn. Where a device cannot hold all of them, the tiles are divided into
+// bands, which are traced and merged one after the other.
+class Intervals {
   public:
-    // `merges`: the largest number of merges in a frame. `budget`: the largest number of bytes of segments in a merge;
+    // `merges`: the largest number of merges in a frame. `budget`: the largest number of bytes of intervals in a merge;
     // the device's limits may allow fewer.
-    Segments(const gpu::Device& device, const RayTarget& target, uint32_t merges, uint64_t budget);
+    Intervals(const gpu::Device& device, const RayTarget& target, uint32_t merges, uint64_t budget);
 
-    // Whether the frame of this slot, which must be finished, had more segments than there was room for. Then enlarge()
-    // makes more room or more bands, and the frame must be recorded again, by passes that are bound to the new buffers.
-    // No frame may be under way. enlarge() throws RuntimeFailure where even the smallest bands have more segments than
-    // fit.
+    // Whether the frame of this slot, which must be finished, had more intervals than there was room for. Then
+    // enlarge() makes more room or more bands, and the frame must be recorded again, by passes that are bound to the
+    // new buffers. No frame may be under way. enlarge() throws RuntimeFailure where even the smallest bands have more
+    // intervals than fit.
     bool overflowed(uint32_t slot) const;
     void enlarge();
 
@@ -36,7 +36,7 @@ class Segments {
     uint32_t add_merge();
 
     const gpu::Buffer& pages() const { return pages_; }
-    // How many pages there are, those of `heads` included (shared/segments.h), and how many these are.
+    // How many pages there are, those of `heads` included (shared/intervals.h), and how many these are.
     uint64_t page_count() const { return page_count_; }
     uint32_t head_pages() const { return static_cast<uint32_t>(head_pages_); }
     const gpu::Buffer& used_pages() const { return used_pages_[slot_]; }  // of the frame that begin_frame began
@@ -61,12 +61,12 @@ class Segments {
     gpu::BindingSet set_;
 };
 
-// No ray has segments any more. A merge leaves it so.
-void record_heads_cleared(gpu::Commands& commands, const Segments& segments);
+// No ray has intervals any more. A merge leaves it so.
+void record_heads_cleared(gpu::Commands& commands, const Intervals& intervals);
 // To be recorded before the first instance of a group: all pages are free.
-void record_merge_begin(gpu::Commands& commands, const Segments& segments);
-// To be recorded after the last instance of a group: blends its segments and composites them under what nearer groups
+void record_merge_begin(gpu::Commands& commands, const Intervals& intervals);
+// To be recorded after the last instance of a group: blends its intervals and composites them under what nearer groups
 // left in the target.
-void record_merge(gpu::Commands& commands, Segments& segments, const TileSpan& tiles, float stop);
+void record_merge(gpu::Commands& commands, Intervals& intervals, const TileSpan& tiles, float stop);
 
 }  // namespace neuvv::render
