@@ -76,7 +76,7 @@ Orientation exif_orientation(const uint8_t* tiff, size_t bytes) {
 }
 
 std::optional<Orientation> matrix_orientation(const int32_t matrix[9]) {
-    // A stored pixel (u, v) is shown at (a u + c v, b u + d v), moved into the picture.
+    // A stored pixel (u, v) is shown at (a u + c v, b u + d v), moved into the image.
     const double a = matrix[0], b = matrix[1], c = matrix[3], d = matrix[4];
     const double along = std::min(std::abs(a), std::abs(d)), across = std::min(std::abs(b), std::abs(c));
     constexpr double kSlight = 0.02;  // of a side: a turn by a degree

@@ -34,7 +34,7 @@ TEST(Playback, PlaysTheWholeStageAgainAndAgain) {
     EXPECT_DOUBLE_EQ(clock.time_s(), 0.5);
 }
 
-TEST(Playback, ShowsWholePicturesWhileItPlays) {
+TEST(Playback, ShowsWholeImagesWhileItPlays) {
     editor::StageClock clock = playing_clock();
     clock.tick(1.07);
     EXPECT_DOUBLE_EQ(clock.time_s(), 1.07);
@@ -131,7 +131,7 @@ TEST(Playback, StopsAtTheEndWhereItDoesNotLoop) {
     EXPECT_DOUBLE_EQ(clock.time_s(), 1);
 }
 
-TEST(Playback, StepsFromPictureToPicture) {
+TEST(Playback, StepsFromImageToImage) {
     editor::StageClock clock = playing_clock();
     clock.tick(0.99);  // between the frames 24 and 25
     clock.step(1);
@@ -148,7 +148,7 @@ TEST(Playback, StepsFromPictureToPicture) {
     EXPECT_EQ(clock.frame(), 0);
 }
 
-TEST(Playback, StepsReachEveryPictureOfUnevenRates) {
+TEST(Playback, StepsReachEveryImageOfUnevenRates) {
     editor::StageClock clock;
     clock.set_stage(1001 * 3 / 30000.0 * 10, 30000 / 1001.0);
     ASSERT_EQ(clock.frames(), 30);

@@ -39,7 +39,7 @@ constexpr double kFrameTarget_ms = 30;
 const Simulated kDevices[] = {{0, 5},   {0, 60},    {2, 100},  {10, 200}, {20, 50},
                               {1, 700}, {25, 3000}, {50, 300}, {3, 27.5}};
 
-TEST(DynamicScale, ConvergesWithinAFewPictures) {
+TEST(DynamicScale, ConvergesWithinAFewImages) {
     for (Simulated device : kDevices)
         for (const double first : {editor::kMinScale, 0.5, 1.0}) {
             editor::DynamicScale control(kFrameTarget_ms, first);

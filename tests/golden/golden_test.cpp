@@ -18,7 +18,7 @@ namespace {
 
 using GoldenTest = GpuTest;
 
-TEST_F(GoldenTest, PicturesAreAsAccepted) {
+TEST_F(GoldenTest, ImagesAreAsAccepted) {
     const char* accept = std::getenv("NEUVV_ACCEPT_GOLDEN");
     bool known = !accept || std::string(accept) == "all";
     for (const GoldenScene& scene : golden_scenes()) {

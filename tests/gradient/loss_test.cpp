@@ -195,7 +195,7 @@ TEST_P(LossOfSamples, AdjointThroughACamerasColourIsTheDerivative) {
 
 INSTANTIATE_TEST_SUITE_P(RaysAPixel, LossOfSamples, ::testing::Values(1, 2, 4));
 
-TEST_F(LossTest, NeighboursBeyondThePictureChangeNothing) {
+TEST_F(LossTest, NeighboursBeyondTheImageChangeNothing) {
     LossScene scene = random_loss_scene(3);
     const DeviceLoss before = loss_on(device(), scene);
     for (size_t i = 0; i < scene.target.size(); ++i)

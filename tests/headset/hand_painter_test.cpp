@@ -10,7 +10,7 @@
 #include "gpu/device.h"
 #include "headset/hands_at_a_stage.h"
 #include "support/segmented_copy.h"
-#include "tools/headset/draw/pictures.h"
+#include "tools/headset/draw/images.h"
 
 namespace neuvv::test {
 namespace {
@@ -157,15 +157,15 @@ TEST_F(RayBrushTest, TheColourUnderTheRayIsPickedByTheNextPressAlone) {
     EXPECT_EQ(undo_all(), 1u) << "the press after it paints";
 }
 
-// Pictures, with a device that notes what it is asked to project and selects a ball of leaves instead.
-struct PictureTest : RayBrushTest {
+// Images, with a device that notes what it is asked to project and selects a ball of leaves instead.
+struct ImageTest : RayBrushTest {
     std::vector<editor::PaintArea> projected;
-    PictureTest() {
-        state.brush.mode = headset::HandBrush::Mode::kPicture;
-        state.brush.by_ray = false;  // a picture is put by the ray all the same
-        interaction.painter.project_picture = [this](const std::filesystem::path& file, editor::PaintSubject subject,
-                                                     editor::Layer before, const editor::PaintOperation& operation,
-                                                     editor::PaintArea area) {
+    ImageTest() {
+        state.brush.mode = headset::HandBrush::Mode::kImage;
+        state.brush.by_ray = false;  // an image is put by the ray all the same
+        interaction.painter.project_image = [this](const std::filesystem::path& file, editor::PaintSubject subject,
+                                                   editor::Layer before, const editor::PaintOperation& operation,
+                                                   editor::PaintArea area) {
             EXPECT_EQ(file, clip);
             projected.push_back(std::move(area));
             editor::PaintSession session(std::move(subject), std::move(before), operation);
@@ -175,7 +175,7 @@ struct PictureTest : RayBrushTest {
     }
     void choose() {
         media::write_png(folder.path / "flag.png", media::Image(40, 20));
-        state.picture = folder.path / "flag.png";
+        state.image = folder.path / "flag.png";
         settle();
     }
     void press_at(std::optional<glm::dvec3> target) {
@@ -184,7 +184,7 @@ struct PictureTest : RayBrushTest {
         press(false);
         settle();
     }
-    // The pixel of the projected picture in which a point of the world lies.
+    // The pixel of the projected image in which a point of the world lies.
     glm::dvec2 pixel_of(const editor::PaintArea& area, glm::dvec3 world) const {
         const glm::dmat4 camera_from_world = glm::inverse(area.image_camera.world_from_camera) *
                                              glm::inverse(state.evaluated.performers[1].world_from_performer);
@@ -194,7 +194,7 @@ struct PictureTest : RayBrushTest {
     }
 };
 
-TEST_F(PictureTest, APressProjectsThePictureWhereTheRayMeets) {
+TEST_F(ImageTest, APressProjectsTheImageWhereTheRayMeets) {
     choose();
     press_at(head_of_ben);
     ASSERT_EQ(projected.size(), 1u);
@@ -210,9 +210,9 @@ TEST_F(PictureTest, APressProjectsThePictureWhereTheRayMeets) {
     EXPECT_EQ(undo_all(), 1u);
 }
 
-TEST_F(PictureTest, WhereItCannotBePutANoticeSaysWhy) {
+TEST_F(ImageTest, WhereItCannotBePutANoticeSaysWhy) {
     press_at(head_of_ben);
-    EXPECT_TRUE(was_notified("choose a picture"));
+    EXPECT_TRUE(was_notified("choose an image"));
     choose();
     press_at({});
     EXPECT_TRUE(was_notified("point at the performer"));
@@ -220,10 +220,10 @@ TEST_F(PictureTest, WhereItCannotBePutANoticeSaysWhy) {
     press_at(head_of_ben);
     EXPECT_TRUE(was_notified("point at the performer")) << "another one than the selected";
     met = 1;
-    interaction.painter.project_picture = {};
+    interaction.painter.project_image = {};
     press_at(head_of_ben);
     EXPECT_TRUE(was_notified("not on the device"));
-    state.picture = folder.path / "none.png";
+    state.image = folder.path / "none.png";
     settle();
     EXPECT_TRUE(was_notified("none.png"));
     press_at(head_of_ben);
@@ -236,34 +236,34 @@ TEST_F(PictureTest, WhereItCannotBePutANoticeSaysWhy) {
 }
 
 // As where the program makes the device anew.
-TEST_F(PictureTest, APictureOutlivesALostDevice) {
+TEST_F(ImageTest, AnImageOutlivesALostDevice) {
     choose();
-    const headset::ProjectPicture working =
-        std::exchange(interaction.painter.project_picture, [](auto&&...) -> std::optional<editor::PaintSession> {
+    const headset::ProjectImage working =
+        std::exchange(interaction.painter.project_image, [](auto&&...) -> std::optional<editor::PaintSession> {
             throw gpu::VulkanError(VK_ERROR_DEVICE_LOST, "the device is lost");
         });
     ray_to(head_of_ben);
     EXPECT_THROW((press(true), settle()), gpu::VulkanError);
-    interaction.painter.project_picture = working;
+    interaction.painter.project_image = working;
     press(false);
     settle();
     EXPECT_EQ(projected.size(), 1u);
     EXPECT_EQ(undo_all(), 1u);
-    interaction.painter.project_picture = [](auto&&...) -> std::optional<editor::PaintSession> {
+    interaction.painter.project_image = [](auto&&...) -> std::optional<editor::PaintSession> {
         throw gpu::VulkanError(VK_ERROR_OUT_OF_DEVICE_MEMORY, "no memory");
     };
     press_at(head_of_ben);
     EXPECT_TRUE(was_notified("no memory"));
 }
 
-TEST_F(PictureTest, TheNextPictureOfTheFolderFollows) {
-    const auto next = [&](const char* after) { return headset::next_picture(folder.path, folder.path / after); };
+TEST_F(ImageTest, TheNextImageOfTheFolderFollows) {
+    const auto next = [&](const char* after) { return headset::next_image(folder.path, folder.path / after); };
     EXPECT_TRUE(next("").empty());
     for (const char* name : {"b.png", "a.png", "c.txt"}) std::ofstream(folder.path / name) << "";
-    EXPECT_EQ(headset::next_picture(folder.path, {}).filename(), "a.png");
+    EXPECT_EQ(headset::next_image(folder.path, {}).filename(), "a.png");
     EXPECT_EQ(next("a.png").filename(), "b.png");
     EXPECT_EQ(next("b.png").filename(), "a.png") << "after the last one the first";
-    EXPECT_TRUE(headset::next_picture(folder.path / "nowhere", {}).empty());
+    EXPECT_TRUE(headset::next_image(folder.path / "nowhere", {}).empty());
 }
 
 TEST_F(BrushHandTest, ADabThatIsOverBeforeTheClipWasReadIsLaidAllTheSame) {

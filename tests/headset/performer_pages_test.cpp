@@ -137,22 +137,22 @@ TEST_F(PerformerPages, ASpinIsDraggedBothWaysAndStopsInTheCentre) {
     EXPECT_EQ(steps(), 3u);
 }
 
-TEST_F(PerformerPages, ThePictureButtonGoesThroughTheFolderAndATipPaintsAgain) {
+TEST_F(PerformerPages, TheImageButtonGoesThroughTheFolderAndATipPaintsAgain) {
     using Mode = headset::HandBrush::Mode;
     press("paint");
-    press("picture");
+    press("image");
     EXPECT_TRUE(was_notified("no PNG file"));
     EXPECT_EQ(state.brush.mode, Mode::kPaint);
     for (const char* name : {"a.png", "b.png"}) media::write_png(folder.path / name, media::Image(2, 2));
     for (const char* name : {"a.png", "b.png", "a.png"}) {
-        press("picture");
-        EXPECT_EQ(state.brush.mode, Mode::kPicture);
-        EXPECT_EQ(state.picture.filename(), name);
+        press("image");
+        EXPECT_EQ(state.brush.mode, Mode::kImage);
+        EXPECT_EQ(state.image.filename(), name);
     }
     press("box");
     EXPECT_EQ(state.brush.mode, Mode::kPaint);
-    press("picture");
-    EXPECT_EQ(state.picture.filename(), "a.png") << "the one that was chosen before";
+    press("image");
+    EXPECT_EQ(state.image.filename(), "a.png") << "the one that was chosen before";
     press("by ray");
     press("pick colour");
     EXPECT_TRUE(state.brush.by_ray && state.picks_colour);

@@ -31,7 +31,7 @@ struct Sink : testing::Test {
     bool there(const char* name) const { return std::filesystem::exists(folder.path / name); }
 };
 
-TEST_F(Sink, NumberedPicturesGoOnWhereTheyStopped) {
+TEST_F(Sink, NumberedImagesGoOnWhereTheyStopped) {
     {
         media::ImageSink first = sink("o_%02d.png", false);
         EXPECT_TRUE(first.resumable());
@@ -128,7 +128,7 @@ TEST(ImageOutput, OnlyTheNameOfAFileHasAPlaceForTheNumber) {
         expect_input_error([&] { media::parse_output(wrong); }, {wrong, "one place"});
 }
 
-TEST_F(Sink, VideosKeepTheirPicturesWhereAsked) {
+TEST_F(Sink, VideosKeepTheirImagesWhereAsked) {
     const auto fill = [](media::ImageSink& into, uint32_t from, uint32_t to) {
         for (uint32_t i = from; i < to; ++i) into.add(i, image_of(static_cast<uint8_t>(20 * i)));
     };
@@ -158,7 +158,7 @@ TEST_F(Sink, VideosKeepTheirPicturesWhereAsked) {
 }
 
 // Two processes that each write a part of the numbered images have a record each.
-TEST_F(Sink, PartsOfNumberedPicturesGoOnByThemselves) {
+TEST_F(Sink, PartsOfNumberedImagesGoOnByThemselves) {
     const auto part = [&](const media::ImageRange& range, bool resume) {
         return media::ImageSink(media::parse_output((folder.path / "o_%02d.png").string()), {16, 8}, 25, facts, resume,
                                 range);
@@ -203,7 +203,7 @@ TEST_F(Sink, PartsAndTheWholeDoNotMix) {
     EXPECT_EQ(read_text(folder.path / "o_render_notes.json"), "mine");
 }
 
-TEST_F(Sink, FilesOfOthersBesideKeptPicturesStay) {
+TEST_F(Sink, FilesOfOthersBesideKeptImagesStay) {
     media::ImageSink video = sink("v.mp4", true);
     write_text(folder.path / "v.mp4.frames/notes.txt", "mine");
     video.add(0, image_of(0));

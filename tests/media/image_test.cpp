@@ -108,7 +108,7 @@ TEST(Image, PngRoundTripIsExact) {
     EXPECT_EQ(folder.entries(), 1u) << "a temporary file stayed";
 }
 
-TEST(Image, PicturesWithoutColourBecomeGreyPngs) {
+TEST(Image, ImagesWithoutColourBecomeGreyPngs) {
     const TemporaryFolder folder;
     media::Image image = random_image(37, 11, true);
     for (size_t i = 0; i < image.rgba.size(); i += 4) image.rgba[i + 1] = image.rgba[i + 2] = image.rgba[i];
@@ -227,7 +227,7 @@ TEST(Image, ManyPixelsOfNothingAreRefusedBeforeMemoryIsTaken) {
     media::expect_content({14204, 10652}, 2'000'000, "a photograph");
 }
 
-TEST(Image, WhatIsNoPictureIsNamed) {
+TEST(Image, WhatIsNoImageIsNamed) {
     const TemporaryFolder folder;
     expect_input_error([&] { media::read_png(folder.path / "none.png"); }, {"none.png", "No such file"});
     write_text(folder.path / "text.png", "GIF89a and so on");

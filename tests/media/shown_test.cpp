@@ -1,4 +1,4 @@
-// What a file says about how its pictures are shown: turns, edit lists, colours, times.
+// What a file says about how its images are shown: turns, edit lists, colours, times.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -111,7 +111,7 @@ std::vector<int32_t> nine(const std::vector<int32_t>& four) {
     return {four[0], four[1], 0, four[2], four[3], 0, 0, 0, 1 << 30};
 }
 
-// The same pixels, turned by the container and turned by Exif's rule, are the same picture.
+// The same pixels, turned by the container and turned by Exif's rule, are the same image.
 TEST(VideoReader, TurnsWhatTheFileSaysIsTurned) {
     const TemporaryFolder folder;
     media::Image stored;

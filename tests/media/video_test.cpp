@@ -196,7 +196,7 @@ TEST(Video, ColoursAreBt709) {
     avformat_close_input(&input);
 }
 
-// A picture whose alpha takes all values, with colours where it is transparent, too.
+// An image whose alpha takes all values, with colours where it is transparent, too.
 media::Image faded(uint32_t width, uint32_t height, int shift) {
     media::Image image(width, height);
     for (uint32_t y = 0; y < height; ++y)

@@ -54,7 +54,7 @@ TEST(EnvironmentLight, IrradianceIsTheIntegral) {
               0.3);
 }
 
-TEST(EnvironmentLight, WidePicturesAreTakenDown) {
+TEST(EnvironmentLight, WideImagesAreTakenDown) {
     media::Image image(8200, 12);  // a little more than four times the largest width
     for (uint32_t y = 0; y < image.height; ++y)
         for (uint32_t x = 0; x < image.width; ++x) image.at(x, y)[x % 2] = 255;  // red, green, red, ...
@@ -68,7 +68,7 @@ TEST(EnvironmentLight, WidePicturesAreTakenDown) {
     expect_near(value_of(environment.irradiance, {0, 0, 1}), {0.5, 0.5, 0}, 1e-4);
 }
 
-TEST(EnvironmentLight, TurnsWithItsPicture) {
+TEST(EnvironmentLight, TurnsWithItsImage) {
     const render::Environment environment = render::make_environment(smooth_image(64));
     const double angle = 0.7;
     const render::Irradiance by_angle = render::turned(environment.irradiance, angle);

@@ -245,7 +245,7 @@ TEST_F(FrameTest, EarlyTerminationBehindBlackChangesLessThanAStep) {
 }
 
 // More tiles than a dimension of a dispatch may have on many devices.
-TEST_F(FrameTest, AImageOfVeryManyTilesIsWhole) {
+TEST_F(FrameTest, AnImageOfVeryManyTilesIsWhole) {
     const voctree::VOctree tree = random_tree({.seed = 6, .node_levels = 1, .leaves = 20, .bases = 1, .hh_degree = 0});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const stage::Camera camera =
@@ -276,7 +276,7 @@ TEST_F(FrameTest, LeavesAreShadedOnceWhereTheyAreSmallFromTheEye) {
 
 // The mean difference between shaded images and images shaded per ray must be at most 1/255, here over the covered
 // pixels and at the smallest distance at which leaves are shaded.
-TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
+TEST_F(FrameTest, ShadedImagesAreThoseByRay) {
     for (uint32_t degree = 1; degree <= kMaxHhDegree; ++degree) {
         const voctree::VOctree tree =
             random_tree({.seed = 60 + degree, .node_levels = 3, .leaves = 3000, .hh_degree = degree});
@@ -305,7 +305,7 @@ TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
 }
 
 // A slice tree and the background are kept for the next image only where they are the same.
-TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
+TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherImage) {
     const voctree::VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     render::FrameRenderer cached(device(), field, {kWidth, kHeight, 2});

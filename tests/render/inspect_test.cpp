@@ -210,7 +210,7 @@ void expect_colour(const uint8_t* pixel, bool any, double value) {
     EXPECT_EQ(pixel[3], 255);
 }
 
-TEST_F(InspectTest, PicturesShowLevelsAndCostsByTheMap) {
+TEST_F(InspectTest, ImagesShowLevelsAndCostsByTheMap) {
     const voctree::VOctree tree = dense_tree(6, 2);
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const stage::Camera camera = camera_on();

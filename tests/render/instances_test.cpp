@@ -136,7 +136,7 @@ TEST_F(InstancesTest, WhatStandsBehindSomethingSolidChangesLessThanAStep) {
         difference({renderer.radiance(), renderer.depth()}, compose_by_reference(tree, row, stage_camera())).steps, 1);
 }
 
-TEST_F(InstancesTest, ViewsOfOneFrameAreTheirPicturesAlone) {
+TEST_F(InstancesTest, ViewsOfOneFrameAreTheirImagesAlone) {
     const voctree::VOctree tree = random_tree({.seed = 4, .node_levels = 3, .leaves = 2000, .hh_degree = 1});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const stage::Camera eyes[] = {stage_camera(-0.03), stage_camera(0.03)};

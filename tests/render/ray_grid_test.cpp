@@ -36,7 +36,7 @@ render::FrameSettings settings_of(double scale, const std::vector<render::Fovea>
     return settings;
 }
 
-TEST(RayGrid, CoversThePictureOnceAndIsDenseInsideTheInset) {
+TEST(RayGrid, CoversTheImageOnceAndIsDenseInsideTheInset) {
     for (const double scale : {1.0, 0.7, 0.31, 0.01})
         for (const render::Fovea& fovea :
              {render::Fovea{}, kInset, render::Fovea{{0, 0}, {0.2, 1}, 0.5}, render::Fovea{{0.9, 1}, {1, 1}, 0.1}}) {
@@ -121,7 +121,7 @@ struct Filter {
     }
 };
 
-TEST_F(RayGridTest, PicturesAreUpscaledByCatmullRomWithoutHalos) {
+TEST_F(RayGridTest, ImagesAreUpscaledByCatmullRomWithoutHalos) {
     const voctree::VOctree tree = a_tree();
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const stage::Camera camera = a_camera(tree);
@@ -148,7 +148,7 @@ TEST_F(RayGridTest, PicturesAreUpscaledByCatmullRomWithoutHalos) {
     }
 }
 
-TEST_F(RayGridTest, TheInsetIsThePictureItself) {
+TEST_F(RayGridTest, TheInsetIsTheImageItself) {
     const voctree::VOctree tree = a_tree();
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const stage::Camera camera = a_camera(tree);

@@ -456,7 +456,7 @@ TEST_F(SetFrameTest, CopiesOnASetCostNoMemory) {
     EXPECT_LE(bytes_with(32), 1.01 * one);
 }
 
-TEST_F(SetFrameTest, PicturesLargerThanTheSetAreRefusedAndSmallerOnesAreDrawn) {
+TEST_F(SetFrameTest, ImagesLargerThanTheSetAreRefusedAndSmallerOnesAreDrawn) {
     const voctree::VOctree tree = cube(1);
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     GlbBuilder glb;

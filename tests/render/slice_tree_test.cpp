@@ -141,7 +141,7 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
     }
 }
 
-TEST_F(SliceTreeTest, FarNodesAreSmallAndNothingBesideThePictureIsSeen) {
+TEST_F(SliceTreeTest, FarNodesAreSmallAndNothingBesideTheImageIsSeen) {
     const voctree::VOctree tree = random_tree({.seed = 12, .node_levels = 4, .leaves = 3000});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const auto finest = static_cast<uint32_t>(field.level_begin.size()) - 2;

@@ -390,7 +390,7 @@ TEST_F(StageRendererTest, ResizedIsAsMadeOfThatSize) {
     EXPECT_EQ(live.image().rgba, drawn(fresh, *live.stage).rgba) << "and is changed afterwards";
 }
 
-TEST_F(StageRendererTest, PicturesMayStayOnTheDevice) {
+TEST_F(StageRendererTest, ImagesMayStayOnTheDevice) {
     Draft draft;
     Live live{device(), draft};
     const media::Image image = live.image();
@@ -469,7 +469,7 @@ uint32_t unlike_pixels(const media::Image& a, const media::Image& b) {
     return unlike;
 }
 
-TEST_F(StageRendererTest, BlocksOfMoreSamplesMakeTheWholePicture) {
+TEST_F(StageRendererTest, BlocksOfMoreSamplesMakeTheWholeImage) {
     constexpr uint32_t kWide = 160, kHigh = 120;
     Draft draft;
     voctree::write_nvv(draft.folder.path / "a.nvv", figure_tree());

@@ -228,7 +228,7 @@ TEST(CameraPath, ACutHoldsUntilTheNextKey) {
     EXPECT_EQ(position_at(path, 2), path.keys[2].position);
 }
 
-TEST(CameraPath, CamerasHaveTheLensOfTheirKeysInAnyPicture) {
+TEST(CameraPath, CamerasHaveTheLensOfTheirKeysInAnyImage) {
     stage::CameraPathKey key = key_at(0, {});
     key.angle_y = 2 * std::atan(0.5);
     key.stretch = 1.25;

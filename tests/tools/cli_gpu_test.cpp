@@ -28,22 +28,7 @@ size_t count_of(const std::string& text, const std::string& part) {
     return count;
 }
 
-constexpr media::ImageSize kShownSize{64, 48};
-
-// A frame's image as `neuvv render --frames` draws it.
-media::Image shown(const gpu::Device& device, const voctree::VOctree& tree) {
-    const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
-    render::FrameRenderer renderer(device, field, {kShownSize.width, kShownSize.height, 2});
-    render::FrameSettings settings;
-    settings.width = kShownSize.width;
-    settings.height = kShownSize.height;
-    settings.samples = 2;
-    settings.mode = render::TraceMode::kPlay;
-    const auto path = tools::orbit_path(voctree::occupied_box(tree), {{0, 0}, kOwnFps, kOwnFps}, kShownSize);
-    return renderer.render(path.front().camera, settings);
-}
-
-TEST_F(CliGpu, RenderWritesNumberedPictures) {
+TEST_F(CliGpu, RenderWritesNumberedImages) {
     const ProgramResult result =
         run_neuvv({"render", "--overwrite", scene, "-o", file("new/out_%03d.png"), "--size", "40x24", "--json"});
     ASSERT_EQ(result.code, 0) << result.err;
@@ -196,14 +181,14 @@ TEST_F(CliGpu, EvalAlignsCamerasThatFitAlready) {
     EXPECT_NE(read_text(file("page.html")).find("cameras moved as one"), std::string::npos);
 }
 
-TEST_F(CliGpu, AnInstantIntoOnePictureIsAStill) {
+TEST_F(CliGpu, AnInstantIntoOneImageIsAStill) {
     const ProgramResult result =
         run_neuvv({"render", "--overwrite", scene, "-o", file("still.png"), "--frames", "1.5", "--size", "40x24"});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_EQ(media::read_png(file("still.png")).width, 40u);
 }
 
-TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
+TEST_F(CliGpu, EvalWritesNumbersAndImages) {
     write_own_data();
     const ProgramResult result =
         run_neuvv({"eval", "--overwrite", scene, file("data"), "--samples", "1", "--json", file("m.json"), "--images",

@@ -46,7 +46,7 @@ std::pair<double, double> difference(const media::Image& a, const media::Image& 
     return worst;
 }
 
-TEST_F(CliLayers, AMovShowsThePicturesOfTheSameFramesWithAlpha) {
+TEST_F(CliLayers, AMovShowsTheImagesOfTheSameFramesWithAlpha) {
     render(scene, "o_%d.png", {});
     render(scene, "one.mov", {});
     render(scene, "parts.mov", {"--part", "2/2"});

@@ -75,7 +75,7 @@ TEST_F(PaintedSegments, RegionsAreThoseOfOneFile) {
     expect_same({"region", "--colour", "#0000ff", "--box", "-9,-9,-9,9,9,9", "--at", "3", "--follow", "run"});
 }
 
-TEST_F(PaintedSegments, BrushAndPictureGoOnOverCuts) {
+TEST_F(PaintedSegments, BrushAndImageGoOnOverCuts) {
     expect_same(brush);
     expect_same(with(brush, {"--at", "1", "--follow", "run"}));
     expect_same(with(brush, {"--at", "3", "--follow", "all", "--alpha", "0.5"}));

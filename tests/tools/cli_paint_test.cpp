@@ -61,7 +61,7 @@ TEST_F(CliPaint, RegionsAreErasedAndRestored) {
     EXPECT_EQ(paint(with_everywhere({"restore"})).at("edits"), 0);
 }
 
-TEST_F(CliPaint, BrushAndPictureReachWhatTheCameraSees) {
+TEST_F(CliPaint, BrushAndImageReachWhatTheCameraSees) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
         for (uint32_t c = 0; c < tree.bases; ++c) tree.leaf(leaf)[c] *= 40;
     voctree::write_nvv(scene, tree);
@@ -183,7 +183,7 @@ Halves halves_of(const media::Image& before, const media::Image& after) {
     return halves;
 }
 
-TEST_F(CliStagePaint, AImageLandsOnThePixelsOfTheStagesCamera) {
+TEST_F(CliStagePaint, AnImageLandsOnThePixelsOfTheStagesCamera) {
     write_halves();
     const media::Image before = still();
     const auto told = project({});

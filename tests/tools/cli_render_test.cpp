@@ -176,7 +176,7 @@ TEST_F(CliRender, FarPerformersAreDrawnFromCoarserLevelsUnlessThatIsOff) {
     expect_refused(command("o.png", {"--far-levels", "sideways"}), 2, {"--far-levels"});
 }
 
-TEST_F(CliRender, PathsHaveAsManyPicturesOnAStage) {
+TEST_F(CliRender, PathsHaveAsManyImagesOnAStage) {
     nlohmann::json path = {{"camera_type", "perspective"},
                            {"render_width", 48},
                            {"render_height", 40},
@@ -220,7 +220,7 @@ TEST_F(CliRender, PaintIsNamedAsItIsMeant) {
     refused(scene, {"is a clip, not a layer of paint"});
 }
 
-TEST_F(CliRender, LinearPicturesAreThePicturesBeforeTheyBecomeSrgb) {
+TEST_F(CliRender, LinearImagesAreTheImagesBeforeTheyBecomeSrgb) {
     ASSERT_EQ(run_neuvv(command("one.png", {"--frames", "1.5"})).code, 0);
     const ProgramResult result = run_neuvv(command("one.exr", {"--frames", "1.5"}));
     ASSERT_EQ(result.code, 0) << result.err;

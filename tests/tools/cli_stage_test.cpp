@@ -146,7 +146,7 @@ TEST_F(CliStage, PaintThatDoesNotFitIsNamed) {
         EXPECT_NE(result.err.find(part), std::string::npos) << part << " not in: " << result.err;
 }
 
-TEST_F(CliStage, LinearPicturesHoldTheSetAndItsDepth) {
+TEST_F(CliStage, LinearImagesHoldTheSetAndItsDepth) {
     done({"stage", "set", show, "--background", "0.25,0.25,0.25"});
     const media::Image shown = still();
     done({"render", "--overwrite", show, "-o", file("still.exr"), "--size", "64x48"});

@@ -124,7 +124,7 @@ TEST_F(DatasetVerb, SaysWhichMattesCountAndMatteLeavesThem) {
     EXPECT_EQ(field(say({"--holdout", "0"}), "train"), "9 cameras: eye0 eye1 eye2 eye3 eye4 eye5 eye6 eye7 eye8");
 }
 
-TEST_F(DatasetVerb, ThePicturesOfAPhoneAreSaidToBeAStill) {
+TEST_F(DatasetVerb, TheImagesOfAPhoneAreSaidToBeAStill) {
     for (int i = 0; i < 2; ++i) {
         const auto keyframes = folder.path / "data" / "keyframes";
         write_text(keyframes / "cameras" / fmt::format("{}.json", i),

@@ -46,7 +46,7 @@ struct EvalPage : testing::Test {
     }
 };
 
-TEST_F(EvalPage, HoldsPicturesNumbersAndCurves) {
+TEST_F(EvalPage, HoldsImagesNumbersAndCurves) {
     const std::string html = page({1, 7});
     EXPECT_EQ(html.find("<!DOCTYPE html>"), 0u);
     EXPECT_EQ(count_of(html, "<figure"), 2u);
@@ -68,7 +68,7 @@ TEST_F(EvalPage, NeedsNoNetwork) {
     EXPECT_NE(html.find("default-src 'none'"), std::string::npos);
 }
 
-TEST_F(EvalPage, PicturesSurviveTheirEncoding) {
+TEST_F(EvalPage, ImagesSurviveTheirEncoding) {
     const std::string html = page({0}), head = "alt=\"truth\" src=\"data:image/png;base64,";
     const size_t begin = html.find(head) + head.size(), end = html.find('"', begin);
     const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -96,7 +96,7 @@ TEST_F(EvalPage, HostileNamesStayText) {
     EXPECT_EQ(tools::html_text("a&b<c>\"'\x01"), "a&amp;b&lt;c&gt;&quot;&#39; ");
 }
 
-TEST_F(EvalPage, LargePicturesAreShrunk) {
+TEST_F(EvalPage, LargeImagesAreShrunk) {
     test::Random random(5);
     media::Image noise(4000, 20);  // cannot be compressed, so that the size of the page shows how large the image is
     for (uint8_t& byte : noise.rgba) byte = static_cast<uint8_t>(random.below(256));

@@ -55,7 +55,7 @@ TEST(ViewPath, OccupiedBoxOfAnEmptyTreeIsItsOwn) {
     EXPECT_EQ(high, glm::dvec3(tree.box_min) + glm::dvec3(tree.box_size));
 }
 
-TEST(ViewPath, OrbitShowsTheWholeBoxAndFillsThePicture) {
+TEST(ViewPath, OrbitShowsTheWholeBoxAndFillsTheImage) {
     const Box box{{-0.5, 0, -0.4}, {0.7, 1.8, 0.4}};
     for (const media::ImageSize size :
          {media::ImageSize{720, 720}, media::ImageSize{1280, 720}, media::ImageSize{300, 500}}) {
@@ -100,7 +100,7 @@ TEST(ViewPath, FasterOutputFallsBetweenFrames) {
     EXPECT_NEAR(path[14].frame, 2, 1e-9);  // the clip repeats
 }
 
-TEST(ViewPath, TooManyPicturesAreRefused) {
+TEST(ViewPath, TooManyImagesAreRefused) {
     const Box box{{0, 0, 0}, {1, 1, 1}};
     expect_input_error([&] { tools::orbit_path(box, {{0, 99999}, 1, 1000}, {8, 8}); }, {"--fps", "lower --fps"});
     const double tiny = std::numeric_limits<float>::min();
@@ -108,7 +108,7 @@ TEST(ViewPath, TooManyPicturesAreRefused) {
     expect_input_error([&] { tools::path_steps(views_of(1, 8, 8), {{0, 1}, tiny, 25}, 2, {8, 8}, {8, 8}); }, {"--fps"});
 }
 
-TEST(ViewPath, ViewsAreAPictureEach) {
+TEST(ViewPath, ViewsAreAnImageEach) {
     const tools::Playback playback{{0, 10}, 25, 25};
     stage::CameraPath views = views_of(2, 100, 80);
     views.keys[0].clip_time = 1;
@@ -131,7 +131,7 @@ TEST(ViewPath, ViewsAreAPictureEach) {
     EXPECT_EQ(fixed[10].frame, 10);
 }
 
-TEST(ViewPath, PicturesOfAPathAreAtTheirInstants) {
+TEST(ViewPath, ImagesOfAPathAreAtTheirInstants) {
     stage::CameraPath path = views_of(3, 0, 0);
     path.interpolation = stage::Interpolation::kLinear;
     for (size_t i = 0; i < 3; ++i) {
@@ -176,7 +176,7 @@ TEST(ViewPath, KeysWithoutASizeTakeTheFallback) {
 }
 
 // Rates as .nvv files and as users write them: no image may drift off the frames of the clip.
-TEST(ViewPath, PicturesAtAMultipleOfTheClipsRateHitItsFrames) {
+TEST(ViewPath, ImagesAtAMultipleOfTheClipsRateHitItsFrames) {
     const Box box{{0, 0, 0}, {1, 1, 1}};
     const double clip_fps = double{29.97f};
     for (const double rate : {29.97, 59.94, 14.985}) {

@@ -223,7 +223,7 @@ TEST(Batch, RaysLeaveFromAnywhereInTheirPixels) {
     }
 }
 
-TEST(Batch, TargetsAreThePicturesPremultipliedLinearLight) {
+TEST(Batch, TargetsAreTheImagesPremultipliedLinearLight) {
     training::BatchSampler sampler(batch_capture(), 100000, 7);
     const training::Batch batch = sampler.next();
     ASSERT_EQ(batch.target.size(), batch.tiles.size() * kTilePixels);

@@ -120,7 +120,7 @@ TEST_F(DatasetTest, PathsMayNameTheirEnding) {
     EXPECT_EQ(load(document).views[0].name, "c0_f2");
 }
 
-TEST_F(DatasetTest, FoldersTellPicturesOfOneNameApart) {
+TEST_F(DatasetTest, FoldersTellImagesOfOneNameApart) {
     json document = good;
     std::filesystem::create_directories(folder.path / "b");
     std::filesystem::copy_file(folder.path / "train" / "c0_f2.png", folder.path / "b" / "c0_f2.png");
@@ -244,7 +244,7 @@ TEST_F(DatasetTest, SizesMustAgree) {
     expect_bad([](json& j) { j.erase("w"), j.erase("h"); }, {"c1_f1.png", "5×4"});
 }
 
-TEST_F(DatasetTest, PicturesMustBeWholePngs) {
+TEST_F(DatasetTest, ImagesMustBeWholePngs) {
     load(good);
     const auto path = folder.path / "train" / "c0_f1.png";
     const std::string whole = read_text(path);

@@ -86,7 +86,7 @@ TEST(Lens, Fov) {
     EXPECT_NEAR(training::project(make_lens(training::LensModel::kFov, {1e-12}), {0.3, -0.2}).x, 470, 1e-6);
 }
 
-TEST(Lens, ScalingMovesPlacesWithThePicture) {
+TEST(Lens, ScalingMovesPlacesWithTheImage) {
     const training::Lens lens = make_lens(training::LensModel::kBrown, {-0.25, 0.08}, 0.002, -0.003);
     const glm::dvec2 whole = training::project(lens, {0.3, -0.2}),
                      half = training::project(training::scaled(lens, 320, 120), {0.3, -0.2});

@@ -211,7 +211,7 @@ TEST_F(MatteFiles, AreTakenFromAnotherProgram) {
     expect_input_error([&] { training::make_mattes(job, {}); }, {"c01_f003", "96×95"});
 }
 
-TEST_F(MatteFiles, TooFewPicturesAreRefused) {
+TEST_F(MatteFiles, TooFewImagesAreRefused) {
     training::Dataset few = opaque_capture(truth, 1);
     few.views.resize(4);
     write_capture(job.dataset, few);

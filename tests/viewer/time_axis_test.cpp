@@ -71,7 +71,7 @@ TEST(TimeAxis, MarksAreFarEnoughApart) {
         }
 }
 
-TEST(TimeAxis, MarksArePicturesFromCloseAndSecondsFromFar) {
+TEST(TimeAxis, MarksAreImagesFromCloseAndSecondsFromFar) {
     const viewer::TimeMarks close = viewer::marks_for(0.001, 25, 54, 5);
     EXPECT_TRUE(close.frames);
     EXPECT_DOUBLE_EQ(close.major_s, 0.08);
@@ -88,7 +88,7 @@ TEST(TimeAxis, MarksArePicturesFromCloseAndSecondsFromFar) {
     EXPECT_EQ(viewer::label_of(minutes, -1, 25), "");
 }
 
-TEST(TimeAxis, FindsThePictureThatIsNearest) {
+TEST(TimeAxis, FindsTheImageThatIsNearest) {
     EXPECT_DOUBLE_EQ(viewer::nearest_frame_time(1.27, 25), 1.28);
     EXPECT_DOUBLE_EQ(viewer::nearest_frame_time(-0.05, 10), -0.1);
 }

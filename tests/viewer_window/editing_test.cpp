@@ -150,7 +150,7 @@ TEST_F(Editing, AStrokeOnAClipInSegmentsGoesOnInTheOthers) {
     }
 }
 
-TEST_F(Editing, AImageIsProjectedOntoWhoIsUnderIt) {
+TEST_F(Editing, AnImageIsProjectedOntoWhoIsUnderIt) {
     media::Image red(4, 4);
     for (size_t i = 0; i < red.rgba.size(); i += 4) red.rgba[i] = red.rgba[i + 3] = 255;
     media::write_png(file("red.png"), red);

@@ -42,7 +42,7 @@ TEST(EyeCamera, RaysOfItsPixelsMeetWhatTheEyeSeesThere) {
     }
 }
 
-TEST(EyeCamera, AnglesThatSpanNothingAreNoPicture) {
+TEST(EyeCamera, AnglesThatSpanNothingAreNoImage) {
     EXPECT_TRUE(xr::spans_image({-0.8f, 0.7f, 0.8f, -0.8f}));
     EXPECT_TRUE(xr::spans_image({0.1f, 0.7f, 0.8f, 0.2f})) << "the axis may lie beside the image";
     const auto nan = static_cast<float>(kNan), infinite = static_cast<float>(kInfinite);
@@ -78,7 +78,7 @@ TEST(EyeCamera, AMeshWhoseIndicesLieBesideItHidesNothing) {
     EXPECT_TRUE(xr::corners_in_image(vertices, {}, {-1, 1, 1, -1}).empty());
 }
 
-TEST(EyeCamera, TheInsetLiesAroundTheAxisAndInsideThePicture) {
+TEST(EyeCamera, TheInsetLiesAroundTheAxisAndInsideTheImage) {
     stage::Camera eye{.fx = 100, .fy = 100, .cx = 120, .cy = 90, .width = 300, .height = 200};
     const render::Fovea around = xr::fovea_of(eye, 0.5, 0.4);
     EXPECT_LT(glm::distance(around.first, glm::dvec2(0.15, 0.2)), 1e-12);

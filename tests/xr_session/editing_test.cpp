@@ -211,7 +211,7 @@ TEST_F(Editing, ABrushInTheAirPaintsAndIsSaved) {
     EXPECT_EQ(check_golden("xr_paint", run.image(99, "left")), "");
 }
 
-TEST_F(Editing, APictureIsProjectedAlongTheHand) {
+TEST_F(Editing, AnImageIsProjectedAlongTheHand) {
     media::Image red(16, 8);
     for (size_t i = 0; i < red.rgba.size(); ++i) red.rgba[i] = i % 4 == 0 || i % 4 == 3 ? 255 : 0;
     media::write_png(folder.path / "red.png", red);
@@ -219,7 +219,7 @@ TEST_F(Editing, APictureIsProjectedAlongTheHand) {
     press(to_paint, 14, arrange_panel(), "paint");
     const json paint = panel_after(to_paint, 28);
     XrScript script = to_paint;
-    press(script, 26, paint, "picture");
+    press(script, 26, paint, "image");
     script.click(36, "left", "y/click");
     script.hand(40, "right", kRightHand, {-0.08, 0.99, -2});
     script.save(70);
@@ -237,7 +237,7 @@ TEST_F(Editing, APictureIsProjectedAlongTheHand) {
         voctree::read_paint(folder.path / layers[0]["uri"].get<std::string>(), voctree::painted_field(figure_tree()));
     EXPECT_GT(layer.edits.size(), 5u);
     for (const voctree::LeafEdit& edit : layer.edits) EXPECT_LT(glm::distance(edit.colour, glm::vec3(1, 0, 0)), 0.01);
-    EXPECT_EQ(check_golden("xr_picture", run.image(99, "left")), "");
+    EXPECT_EQ(check_golden("xr_image", run.image(99, "left")), "");
     EXPECT_FALSE(same_pixels(run.image(70, "left"), run.image(99, "left")));
 }
 

@@ -36,7 +36,7 @@ xr::EyeView eye_of(const XrScript& script, int eye) {
     return view;
 }
 
-TEST_F(Watching, EachEyeIsTheRenderersPictureToOneStep) {
+TEST_F(Watching, EachEyeIsTheRenderersImageToOneStep) {
     XrScript script;
     script.json["profile"] = "";  // no hands in the image
     script.save(4);

@@ -23,9 +23,9 @@ RuntimeContext::RuntimeContext(Program& program)
           runtime.device_maker()),
       overlaps(images_overlap(device)),
       painter(program.interaction.painter) {
-    painter.project_picture = [this](const std::filesystem::path& file, editor::PaintSubject subject,
-                                     editor::Layer before, const editor::PaintOperation& operation,
-                                     editor::PaintArea area) -> std::optional<editor::PaintSession> {
+    painter.project_image = [this](const std::filesystem::path& file, editor::PaintSubject subject,
+                                   editor::Layer before, const editor::PaintOperation& operation,
+                                   editor::PaintArea area) -> std::optional<editor::PaintSession> {
         if (!renderer) return std::nullopt;
         subject.field = renderer->find_field(file, subject.clip->field);
         if (subject.field.expired()) return std::nullopt;

@@ -23,7 +23,7 @@ struct ValidationPrinter {
 
 struct RuntimeContext {
     explicit RuntimeContext(Program& program);
-    ~RuntimeContext() { painter.project_picture = {}; }
+    ~RuntimeContext() { painter.project_image = {}; }
     RuntimeContext(const RuntimeContext&) = delete;
     RuntimeContext& operator=(const RuntimeContext&) = delete;
     // Creates the renderer, where there is none yet, for the first session's images.
@@ -58,7 +58,7 @@ struct RuntimeContext {
     render::PerformerPicks picks;
     std::shared_ptr<const stage::Stage> picked_stage;  // on which `picks` were begun, and with which rays
     std::vector<Ray> picked_rays;
-    HandPainter& painter;  // projects pictures on this device
+    HandPainter& painter;  // projects images on this device
 };
 
 }  // namespace neuvv::headset

@@ -34,14 +34,14 @@ media::Image edge_image(uint32_t edge) {
     return image;
 }
 
-TEST(Flip, IdenticalPicturesDoNotDiffer) {
+TEST(Flip, IdenticalImagesDoNotDiffer) {
     const media::Image image = noise_image(1);
     const std::vector<float> errors = training::flip(image, image);
     EXPECT_EQ(errors.size(), 48u * 32u);
     EXPECT_EQ(*std::max_element(errors.begin(), errors.end()), 0);
 }
 
-TEST(Flip, UniformPicturesDifferByTheirColoursAlone) {
+TEST(Flip, UniformImagesDifferByTheirColoursAlone) {
     // By hand: HyAB of black and white is ΔL* = 100; the error is 0.95 plus the share (100^0.7 − 0.4·c) / (0.6·c) of
     // the top twentieth, c = 41.276.
     for (const float error : training::flip(uniform_image(0, 0, 0), uniform_image(255, 255, 255)))
@@ -84,7 +84,7 @@ TEST(Flip, GrowsWithTheDifferenceAndFadesWithDistance) {
               training::mean_of(training::flip(noise_image(1), noise_image(2))));
 }
 
-TEST(Flip, ThePictureGoesFromBlackToYellow) {
+TEST(Flip, TheImageGoesFromBlackToYellow) {
     const media::Image image = training::flip_image({0, 0.5f, 1}, 3, 1);
     EXPECT_EQ(std::vector<uint8_t>(image.rgba.begin(), image.rgba.begin() + 4), (std::vector<uint8_t>{0, 0, 4, 255}));
     EXPECT_EQ(std::vector<uint8_t>(image.rgba.end() - 4, image.rgba.end()), (std::vector<uint8_t>{252, 253, 191, 255}));

@@ -69,7 +69,7 @@ double plain_ssim(const media::Image& a, const media::Image& b) {
     return total / windows;
 }
 
-TEST(Metrics, EqualPicturesArePerfect) {
+TEST(Metrics, EqualImagesArePerfect) {
     const media::Image image = random_image(20, 15, 1);
     const training::Quality quality = training::compare(image, image);
     EXPECT_EQ(quality.psnr, 99);
@@ -97,7 +97,7 @@ TEST(Metrics, ByHand) {
     EXPECT_LT(opposite.ssim, 0.001);
 }
 
-TEST(Metrics, FlipIsTheMeanOfItsPicture) {
+TEST(Metrics, FlipIsTheMeanOfItsImage) {
     const media::Image truth = random_image(30, 20, 8), render = degraded(truth, 9, 10);
     EXPECT_EQ(training::compare(truth, render).flip, training::mean_of(training::flip(truth, render)));
     EXPECT_GT(training::compare(truth, render).flip, 0.01);
@@ -128,7 +128,7 @@ TEST(Metrics, SsimMatchesThePlainDefinition) {
                 1e-9);
 }
 
-TEST(Metrics, SmallPicturesHaveASmallerWindow) {
+TEST(Metrics, SmallImagesHaveASmallerWindow) {
     for (const uint32_t side : {1u, 2u, 10u}) {
         const media::Image image = random_image(side, 4, 5);
         EXPECT_NEAR(training::compare(image, image).ssim, 1, 1e-12);
@@ -136,7 +136,7 @@ TEST(Metrics, SmallPicturesHaveASmallerWindow) {
     }
 }
 
-TEST(Metrics, ErrorPictureIsWhiteFromAQuarter) {
+TEST(Metrics, ErrorImageIsWhiteFromAQuarter) {
     media::Image truth = filled(3, 1, 100), result = truth;
     result.at(1, 0)[0] = 110;
     result.at(2, 0)[2] = 0;
@@ -167,7 +167,7 @@ TEST(Metrics, ContactSheetPlacesAndScales) {
     EXPECT_EQ(training::contact_sheet({}, 3, 10).width, 0u);
 }
 
-TEST(Metrics, ContactSheetEnlargesSmallPictures) {
+TEST(Metrics, ContactSheetEnlargesSmallImages) {
     media::Image small(2, 1);
     small.at(0, 0)[3] = small.at(1, 0)[3] = 255;
     small.at(1, 0)[1] = 200;

@@ -183,7 +183,7 @@ TEST_P(ColmapTest, EveryModelPutsAPointWhereColmapDoes) {
     }
 }
 
-TEST_P(ColmapTest, EveryEighthPictureIsHeldOut) {
+TEST_P(ColmapTest, EveryEighthImageIsHeldOut) {
     write_images();
     const training::Rig train = read(), test = read(training::Split::kTest);
     EXPECT_EQ(train.format, "colmap");

@@ -128,7 +128,7 @@ TEST_F(EasyMocapTest, MasksOfSmallNumbersAreLabels) {
     }
 }
 
-TEST_F(EasyMocapTest, CamerasWithoutPicturesAreLeftOut) {
+TEST_F(EasyMocapTest, CamerasWithoutImagesAreLeftOut) {
     std::filesystem::remove_all(folder.path / "images" / "02");
     EXPECT_EQ(read().cameras.size(), 1u);
     std::filesystem::remove_all(folder.path / "images" / "10");

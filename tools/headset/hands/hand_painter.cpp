@@ -15,7 +15,7 @@ namespace neuvv::headset {
 namespace {
 
 constexpr double kTipDistance_m = 0.08;  // from the hand to the tip
-constexpr uint32_t kMaxPicture = 512;    // pixels of a side
+constexpr uint32_t kMaxImage = 512;      // pixels of a side
 constexpr double kMaxJump = 3;           // of a ray's brush between two frames, in its radii
 
 editor::PaintOperation operation_of(const HandBrush& brush, float frame, uint32_t frames) {
@@ -66,8 +66,8 @@ struct HandPainter::Stroke {
     HandBrush brush;
     float frame = 0;  // of the clip, when the stroke began
     std::vector<TipSweep> pending;
-    std::optional<PaintRegion> region;         // for a stroke that applies a region instead of tips
-    std::optional<editor::PaintArea> picture;  // for one that projects a picture
+    std::optional<PaintRegion> region;       // for a stroke that applies a region instead of tips
+    std::optional<editor::PaintArea> image;  // for one that projects an image
     std::optional<glm::dvec3> last_tip;
     bool job_running = false, released = false;
     // Set once the performer has been read. After that only the jobs use the session, one at a time.
@@ -76,11 +76,9 @@ struct HandPainter::Stroke {
     editor::PaintOperation operation;  // its frames are of the clip
     std::optional<editor::PaintSession> session;
     std::optional<editor::SpreadPaint> spread;  // on a clip in segments: what other segments get after the stroke
-    bool region_applied = false, picture_applied = false, changed_leaves = false, failed = false;
+    bool region_applied = false, image_applied = false, changed_leaves = false, failed = false;
 
-    bool has_pending() const {
-        return !pending.empty() || (region && !region_applied) || (picture && !picture_applied);
-    }
+    bool has_pending() const { return !pending.empty() || (region && !region_applied) || (image && !image_applied); }
 };
 
 glm::dvec3 HandPainter::tip_of(const xr::Pose& world_aim) {
@@ -104,55 +102,54 @@ void HandPainter::pick_colour(HeadsetState& state, Hand& hand) {
     hand.vibrate(0.5);
 }
 
-// A job reads the picture that the user has chosen, made so small that leaves are hardly smaller than its pixels.
-void HandPainter::read_picture(HeadsetState& state) {
-    if (state.brush.mode != HandBrush::Mode::kPicture || picture_file_ == state.picture) return;
-    picture_file_ = state.picture;
-    picture_.reset();
-    picture_failed_ = false;
-    jobs_.start("", [this, &state, file = picture_file_]() -> JobQueue::Then {
-        std::shared_ptr<const media::Image> picture;
+// A job reads the image that the user has chosen, made so small that leaves are hardly smaller than its pixels.
+void HandPainter::read_image(HeadsetState& state) {
+    if (state.brush.mode != HandBrush::Mode::kImage || image_file_ == state.image) return;
+    image_file_ = state.image;
+    image_.reset();
+    image_failed_ = false;
+    jobs_.start("", [this, &state, file = image_file_]() -> JobQueue::Then {
+        std::shared_ptr<const media::Image> image;
         std::string problem;
         try {
             const media::Image read = media::read_png(file);
             const uint32_t side = std::max(read.width, read.height);
-            picture =
-                std::make_shared<const media::Image>(editor::downscaled(read, (side + kMaxPicture - 1) / kMaxPicture));
+            image = std::make_shared<const media::Image>(editor::downscaled(read, (side + kMaxImage - 1) / kMaxImage));
         } catch (const std::exception& error) {
             problem = error.what();
         }
-        return [this, &state, file, picture, problem] {
+        return [this, &state, file, image, problem] {
             if (!problem.empty()) state.editor.notify(problem, true);
-            if (file != picture_file_) return;
-            picture_ = picture;
-            picture_failed_ = !picture;
+            if (file != image_file_) return;
+            image_ = image;
+            image_failed_ = !image;
         };
     });
 }
 
-// The picture's centre is where the ray meets the performer, its upper edge is the hand's, and there it is 2 radius_m
+// The image's centre is where the ray meets the performer, its upper edge is the hand's, and there it is 2 radius_m
 // wide.
-void HandPainter::put_picture(HeadsetState& state, uint32_t index, Hand& hand) {
-    if (picture_failed_) picture_file_.clear();  // then it is read again: somebody may have mended the file
-    if (!picture_ || picture_file_ != state.picture)
-        return state.editor.notify(
-            state.picture.empty() ? "choose a picture on the panel" : "the picture is being read", true);
+void HandPainter::put_image(HeadsetState& state, uint32_t index, Hand& hand) {
+    if (image_failed_) image_file_.clear();  // then it is read again: somebody may have mended the file
+    if (!image_ || image_file_ != state.image)
+        return state.editor.notify(state.image.empty() ? "choose an image on the panel" : "the image is being read",
+                                   true);
     if (!hand.hit.colour || hand.hit.performer != index)
         return state.editor.notify("point at the performer that shall be painted", true);
     stage::Camera camera;
-    camera.width = picture_->width;
-    camera.height = picture_->height;
-    camera.fx = camera.fy = picture_->width * hand.hit.distance_m / (2 * state.brush.radius_m);
-    camera.cx = 0.5 * picture_->width;
-    camera.cy = 0.5 * picture_->height;
+    camera.width = image_->width;
+    camera.height = image_->height;
+    camera.fx = camera.fy = image_->width * hand.hit.distance_m / (2 * state.brush.radius_m);
+    camera.cx = 0.5 * image_->width;
+    camera.cy = 0.5 * image_->height;
     camera.world_from_camera = xr::matrix_of(*hand.aim);
     for (const stage::EvaluatedPerformer& performer : state.evaluated.performers)
         if (performer.performer == index)
             camera = render::in_performer(camera, glm::mat4(performer.world_from_performer));
     auto stroke = begin_stroke(state, index);
-    stroke->picture.emplace();
-    stroke->picture->image = *picture_;
-    stroke->picture->image_camera = camera;
+    stroke->image.emplace();
+    stroke->image->image = *image_;
+    stroke->image->image_camera = camera;
     stroke->released = true;
     strokes_.push_back(std::move(stroke));
     hand.vibrate(0.5);
@@ -256,9 +253,9 @@ void HandPainter::update(HeadsetState& state, Hands& hands) {
             update_status(state, *target);
     }
     if (state.tool == HandTool::kRegion) return drag_region(state, *performer, hand);
-    read_picture(state);
+    read_image(state);
     const bool pressed = hand.aim && hand.consume_press() && hand.hit.target != PointerHit::Target::kPanel;
-    if (pressed && state.brush.mode == HandBrush::Mode::kPicture) return put_picture(state, *performer, hand);
+    if (pressed && state.brush.mode == HandBrush::Mode::kImage) return put_image(state, *performer, hand);
     if (pressed) {
         strokes_.push_back(begin_stroke(state, *performer));
         hand.vibrate(0.3);
@@ -336,13 +333,12 @@ void HandPainter::begin_session(HeadsetState& state, Stroke& stroke) {
     editor::PaintOperation operation = stroke.operation;
     operation.frames = seen.frames;
     editor::PaintSubject subject{target.clip, {}, target.place.frame, {}};
-    if (!stroke.picture) return void(stroke.session.emplace(std::move(subject), seen.before, operation));
+    if (!stroke.image) return void(stroke.session.emplace(std::move(subject), seen.before, operation));
     subject.paint.push_back({stroke.before, stage::PaintBlend::kNormal, 1});
     std::string problem = "its clip is not on the device yet";
     try {
-        if (project_picture)
-            stroke.session =
-                project_picture(target.place.segment().file, subject, seen.before, operation, *stroke.picture);
+        if (project_image)
+            stroke.session = project_image(target.place.segment().file, subject, seen.before, operation, *stroke.image);
     } catch (const gpu::VulkanError& failure) {
         if (failure.device_lost()) {
             stroke.target.reset();  // it is begun again on the device that is made anew
@@ -365,9 +361,9 @@ editor::Layer HandPainter::painted(Stroke& stroke, const edit::Region& touched) 
         stroke.spread = std::move(region.spread);
         return region.layer;
     }
-    if (!stroke.picture && !stroke.session->add_region(touched)) return nullptr;
+    if (!stroke.image && !stroke.session->add_region(touched)) return nullptr;
     const editor::Layer selected = stroke.session->layer();
-    if (!selected) return nullptr;  // the picture meets no leaf
+    if (!selected) return nullptr;  // the image meets no leaf
     if (!target.place.is_segmented()) return selected;
     const editor::CarriedPaint carried =
         editor::carry_on(target.place, target.clip, stroke.before, selected, stroke.operation.frames);
@@ -377,7 +373,7 @@ editor::Layer HandPainter::painted(Stroke& stroke, const edit::Region& touched) 
 
 void HandPainter::start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke) {
     stroke->job_running = true;
-    stroke->picture_applied = stroke->picture.has_value();
+    stroke->image_applied = stroke->image.has_value();
     edit::Region touched;
     if (stroke->region) {
         touched = edit::box_region(glm::vec3(stroke->region->low), glm::vec3(stroke->region->high));

@@ -1,6 +1,6 @@
 // Painting in the air: a ball or a box at the tip of the hand that paints, or where its ray meets the performer,
 // colours or erases those leaves of the selected performer that it touches. With the region tool, the hand drags a box
-// from corner to corner, which the panel's buttons colour or erase. With a picture, each press projects it along the
+// from corner to corner, which the panel's buttons colour or erase. With an image, each press projects it along the
 // hand's ray onto the performer. The hand that paints is the right one; for left-handed users the left one.
 //
 // The leaves are searched, and layers made, by the job queue, so that no frame waits. What a stroke touches while a job
@@ -29,16 +29,16 @@ struct PaintRegion {
     glm::dvec3 low{0}, high{0};
 };
 
-// Projects a picture onto a performer as it is drawn: a session with the projection, for the file of a clip or segment.
+// Projects an image onto a performer as it is drawn: a session with the projection, for the file of a clip or segment.
 // Nullopt where that is not on the device. Only a device can do it, so it is given from outside; it waits for the
 // device. It may throw RuntimeFailure; that the device is lost is thrown on.
-using ProjectPicture = std::function<std::optional<editor::PaintSession>(
+using ProjectImage = std::function<std::optional<editor::PaintSession>(
     const std::filesystem::path& file, editor::PaintSubject subject, editor::Layer before,
     const editor::PaintOperation& operation, editor::PaintArea area)>;
 
 class HandPainter {
   public:
-    ProjectPicture project_picture;  // empty while there is no device
+    ProjectImage project_image;  // empty while there is no device
 
     // `jobs` must outlive this object, or be stopped before it is destroyed.
     explicit HandPainter(JobQueue& jobs) : jobs_(jobs) {}
@@ -55,8 +55,8 @@ class HandPainter {
     // The same, or whether other segments of a clip are still being painted.
     bool is_at_work() const { return is_busy() || (spreads_ && !spreads_->is_idle()); }
 
-    // The height of the picture that the brush projects, as a share of its width; 1 where it is not known yet.
-    double picture_height() const { return picture_ ? 1.0 * picture_->height / picture_->width : 1; }
+    // The height of the image that the brush projects, as a share of its width; 1 where it is not known yet.
+    double image_height() const { return image_ ? 1.0 * image_->height / image_->width : 1; }
     const std::optional<PaintRegion>& region() const { return region_; }
     void clear_region() { region_.reset(); }
     // Colours or erases all leaves in the region, as the brush is set.
@@ -79,8 +79,8 @@ class HandPainter {
     std::shared_ptr<Stroke> begin_stroke(const HeadsetState& state, uint32_t performer) const;
     void extend_stroke(HeadsetState& state, const Hand& hand);
     static void pick_colour(HeadsetState& state, Hand& hand);
-    void read_picture(HeadsetState& state);
-    void put_picture(HeadsetState& state, uint32_t performer, Hand& hand);
+    void read_image(HeadsetState& state);
+    void put_image(HeadsetState& state, uint32_t performer, Hand& hand);
     void begin_session(HeadsetState& state, Stroke& stroke);
     static editor::Layer painted(Stroke& stroke, const edit::Region& touched);
     void start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke);
@@ -100,9 +100,9 @@ class HandPainter {
     } failed_target_;  // the last one that could not be read; it is not tried again until the document changes
     std::optional<editor::PaintSpreads> spreads_;  // from the first one on
     bool reading_ = false;
-    std::filesystem::path picture_file_;           // that was read last, or is being read
-    std::shared_ptr<const media::Image> picture_;  // null: not yet, or it could not be read
-    bool picture_failed_ = false;                  // it could not be read
+    std::filesystem::path image_file_;           // that was read last, or is being read
+    std::shared_ptr<const media::Image> image_;  // null: not yet, or it could not be read
+    bool image_failed_ = false;                  // it could not be read
     std::string status_;
     std::optional<PaintRegion> region_;
     std::optional<glm::dvec3> corner_;  // performer's space: where the drag of the region began, while it lasts

@@ -91,10 +91,10 @@ void draw_picked_colour(xr::EyeShapes& shapes, const Hand& hand) {
                 glm::vec4(*hand.hit.colour, 1));
 }
 
-// The frame of the picture that the next press would project, and a mark at its upper edge.
-void draw_picture_frame(xr::EyeShapes& shapes, const HeadsetState& state, const Hand& hand,
-                        const Interaction& interaction) {
-    const double half = state.brush.radius_m, up = half * interaction.painter.picture_height(),
+// The frame of the image that the next press would project, and a mark at its upper edge.
+void draw_image_frame(xr::EyeShapes& shapes, const HeadsetState& state, const Hand& hand,
+                      const Interaction& interaction) {
+    const double half = state.brush.radius_m, up = half * interaction.painter.image_height(),
                  away = hand.hit.distance_m;
     const auto at = [&](double x, double y) { return *hand.aim * glm::dvec3(x, y, -away); };
     shapes.draw_on_top(true);
@@ -115,7 +115,7 @@ void draw_brush(xr::EyeShapes& shapes, const HeadsetState& state, const Interact
     const auto at = HandPainter::brush_at(state, hand);
     if (!at) return;
     const glm::dvec3 tip = *at;
-    if (state.brush.mode == HandBrush::Mode::kPicture) return draw_picture_frame(shapes, state, hand, interaction);
+    if (state.brush.mode == HandBrush::Mode::kImage) return draw_image_frame(shapes, state, hand, interaction);
     // The brush is drawn twice: faintly on top of all, then with a depth test, so inside or behind a performer it is
     // faint.
     for (const bool on_top : {true, false}) {

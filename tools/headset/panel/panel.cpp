@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "edit/operations.h"
-#include "tools/headset/draw/pictures.h"
+#include "tools/headset/draw/images.h"
 #include "tools/headset/panel/panel_rows.h"
 #include "tools/headset/state/arrange.h"
 #include "tools/headset/state/coaching.h"
@@ -122,22 +122,22 @@ void performer_rows(Rows& rows) {
     grab_rows(rows);
 }
 
-// A press on the picture's button takes the next one of the stage's folder.
-void picture_button(Rows& rows, float width) {
+// A press on the image's button takes the next one of the stage's folder.
+void image_button(Rows& rows, float width) {
     HeadsetState& state = rows.state;
-    const std::string label = ICON_STAMP " " + (state.picture.empty() ? "Picture" : state.picture.stem().string());
-    const bool is_on = state.brush.mode == HandBrush::Mode::kPicture;
-    if (!rows.button("picture", label.c_str(), width, is_on)) return;
-    if (is_on || state.picture.empty())
-        state.picture = next_picture(stage::absolute_path(state.editor.file().path).parent_path(), state.picture);
-    if (state.picture.empty()) return state.editor.notify("there is no PNG file beside the stage", true);
-    state.brush.mode = HandBrush::Mode::kPicture;
+    const std::string label = ICON_STAMP " " + (state.image.empty() ? "Image" : state.image.stem().string());
+    const bool is_on = state.brush.mode == HandBrush::Mode::kImage;
+    if (!rows.button("image", label.c_str(), width, is_on)) return;
+    if (is_on || state.image.empty())
+        state.image = next_image(stage::absolute_path(state.editor.file().path).parent_path(), state.image);
+    if (state.image.empty()) return state.editor.notify("there is no PNG file beside the stage", true);
+    state.brush.mode = HandBrush::Mode::kImage;
 }
 
 void tip_rows(Rows& rows) {
     HandBrush& brush = rows.state.brush;
-    const float one = 0.9f * column_width(4);  // what is left is the picture's, which has the name of a file
-    const bool has_tip = brush.mode != HandBrush::Mode::kPicture;
+    const float one = 0.9f * column_width(4);  // what is left is the image's, which has the name of a file
+    const bool has_tip = brush.mode != HandBrush::Mode::kImage;
     const auto tip = [&](const char* name, const char* label, HandBrush::Tip which) {
         if (rows.button(name, label, one, has_tip && brush.tip == which)) {
             brush.tip = which;
@@ -147,7 +147,7 @@ void tip_rows(Rows& rows) {
     };
     tip("ball", "Ball", HandBrush::Tip::kBall);
     tip("box", "Box", HandBrush::Tip::kBox);
-    picture_button(rows, column_width(1));
+    image_button(rows, column_width(1));
     auto centimetres = static_cast<float>(100 * brush.radius_m);
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##radius", &centimetres, 100 * kMinBrush_m, 100 * kMaxBrush_m, "radius %.0f cm",

@@ -64,12 +64,12 @@ constexpr double kMostVolume_percent = 200;
 constexpr double kMinBrush_m = 0.01, kMaxBrush_m = 0.4, kMinBrushOpacity = 0.05;
 struct HandBrush {
     enum class Tip { kBall, kBox } tip = Tip::kBall;
-    enum class Mode { kPaint, kErase, kPicture } mode = Mode::kPaint;  // kPicture: each press projects a picture
-    double radius_m = 0.06;               // world; of a box, half the length of an edge; of a picture, half its width
+    enum class Mode { kPaint, kErase, kImage } mode = Mode::kPaint;  // kImage: each press projects an image
+    double radius_m = 0.06;               // world; of a box, half the length of an edge; of an image, half its width
     glm::vec3 colour{0.9f, 0.25f, 0.1f};  // sRGB
     double opacity = 1;
     bool by_ray = false;  // paints where the hand's ray meets the performer, else at the hand's tip
-    bool uses_ray() const { return by_ray || mode == Mode::kPicture; }
+    bool uses_ray() const { return by_ray || mode == Mode::kImage; }
     bool whole_clip = true;  // else around the present frame, while the surface stays (edit::Follow::kRun)
 };
 
@@ -96,10 +96,10 @@ struct HeadsetState : editor::StageState {
     HandBrush brush;
     // Whether to show the user's own room; nothing: as the headset's runtime prefers.
     std::optional<bool> wants_room;
-    bool refused_room = false;      // the headset cannot show it, and the user was told so
-    bool shows_room = false;        // the room is shown, in place of the set
-    std::filesystem::path picture;  // that the brush projects; empty: none has been chosen
-    bool picks_colour = false;      // the next press of the painting hand gives the brush the colour under its ray
+    bool refused_room = false;    // the headset cannot show it, and the user was told so
+    bool shows_room = false;      // the room is shown, in place of the set
+    std::filesystem::path image;  // that the brush projects; empty: none has been chosen
+    bool picks_colour = false;    // the next press of the painting hand gives the brush the colour under its ray
     bool panel_visible = false, panel_on_wrist = false;
     bool slider_edits = false;  // a slider of the panel is dragged, and edits the document (Editor::drag)
     // Ends the drag of a slider: its edit is made.
