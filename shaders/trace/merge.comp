@@ -2,8 +2,8 @@
 // densities add up and colours are weighted by density. This is the exact result that the paper's Algorithm 1
 // approximates (errata 11).
 // Reads pages; writes radiance and depth, blended under those of nearer instances. One workgroup per tile of rays, one
-// thread per ray; tiles that no instance covers end at once. Bound by memory and its latency: a header and an interval of
-// each list at each end of an interval.
+// thread per ray; tiles that no instance covers end at once. Bound by memory and its latency: a header and an
+// interval of each list at each end of an interval.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"
@@ -37,8 +37,8 @@ uint interval_after(uint at) {
     return at % kPageWords < (next & ~kLastPage) ? at + 1u : 0u;
 }
 
-// Adds the list's interval at `begin` metres to the stretch; moves the list's cursor (header.w) over an interval that has
-// ended.
+// Adds the list's interval at `begin` metres to the stretch; moves the list's cursor (header.w) over an interval that
+// has ended.
 void add_list(uint list, float begin, inout Stretch stretch) {
     const uvec4 header = pages[list * kPageWords];
     uint at = header.w;
