@@ -19,12 +19,12 @@ void Editor::open(edit::Document document, bool modified) {
     open_ = true;
     ++open_count_;
     changed();
-    untold_from_ = id_;
+    unreported_from_ = id_;
 }
 
 void Editor::stage_made(const stage::Stage& stage, uint64_t id) {
-    if (!untold_from_ || id < *untold_from_) return;
-    untold_from_.reset();
+    if (!unreported_from_ || id < *unreported_from_) return;
+    unreported_from_.reset();
     for (const std::string& note : stage.scene.notes)
         notify(fmt::format("{} {}", stage.file.path.filename().string(), note));
 }

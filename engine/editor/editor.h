@@ -93,7 +93,7 @@ class Editor {
     edit::Document document_;
     edit::History history_;
     uint64_t id_ = 0, open_count_ = 0;
-    std::optional<uint64_t> untold_from_;  // id() of the opened document, until stage_made has told of it
+    std::optional<uint64_t> unreported_from_;  // id() of the opened document, until stage_made has reported it
     std::optional<uint32_t> selected_;
     std::optional<edit::Document> before_drag_;
     std::optional<uint32_t> selected_before_drag_;

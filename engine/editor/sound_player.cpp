@@ -41,7 +41,7 @@ struct SoundPlayer::Wanted {
     double stage_s = 0, speed = 0, at_s = 0, volume = 1;
     glm::mat4 world_from_ear{1};
     struct Performer {
-        uint32_t number;  // among the stage's
+        uint32_t index;  // among the stage's
         glm::vec3 at;
     };
     std::vector<Performer> performers;  // that are seen and have a sound
@@ -80,19 +80,19 @@ class SoundPlayer::Output {
         set_ear(wanted.world_from_ear);
         alListenerf(AL_GAIN, static_cast<float>(wanted.volume));
         std::erase_if(voices_, [&](const auto& voice) {
-            return std::ranges::none_of(wanted.performers, [&](const auto& one) { return one.number == voice.first; });
+            return std::ranges::none_of(wanted.performers, [&](const auto& one) { return one.index == voice.first; });
         });
         for (const Wanted::Performer& one : wanted.performers) {
-            auto found = voices_.find(one.number);
+            auto found = voices_.find(one.index);
             if (found != voices_.end() && std::abs(found->second->stage_s() - wanted.stage_s_now()) > kMostDrift_s) {
                 voices_.erase(found);
                 found = voices_.end();
             }
             if (found == voices_.end()) {
-                const stage::StagePerformer& performer = stage_->performers[one.number];
+                const stage::StagePerformer& performer = stage_->performers[one.index];
                 const auto sound = sound_of(performer.sound, problem);
                 if (!sound) continue;
-                found = voices_.emplace(one.number, std::make_unique<Voice>(sound, performer, wanted)).first;
+                found = voices_.emplace(one.index, std::make_unique<Voice>(sound, performer, wanted)).first;
             }
             const glm::vec3 ear(wanted.world_from_ear[3]);
             found->second->play(one.at, static_cast<float>(stage::distance_gain(glm::distance(one.at, ear))));

@@ -178,21 +178,21 @@ std::vector<PassTime> Commands::pass_times() const {
 
 uint32_t Commands::begin_pass(const std::string& pass) {
     assert(!transfers_ && "passes are for the main queue");
-    const auto number = static_cast<uint32_t>(scopes_.size());
+    const auto index = static_cast<uint32_t>(scopes_.size());
     if (vkCmdBeginDebugUtilsLabelEXT) {
         const VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, nullptr, pass.c_str(), {}};
         vkCmdBeginDebugUtilsLabelEXT(buffer_, &label);
     }
-    if (number < max_scopes_) {
+    if (index < max_scopes_) {
         scopes_.push_back(pass);
-        vkCmdWriteTimestamp2(buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_, 2 * number);
+        vkCmdWriteTimestamp2(buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_, 2 * index);
     }
-    return number;
+    return index;
 }
 
-void Commands::end_pass(uint32_t number) {
-    if (number < max_scopes_)
-        vkCmdWriteTimestamp2(buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_, 2 * number + 1);
+void Commands::end_pass(uint32_t index) {
+    if (index < max_scopes_)
+        vkCmdWriteTimestamp2(buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timestamps_, 2 * index + 1);
     if (vkCmdEndDebugUtilsLabelEXT) vkCmdEndDebugUtilsLabelEXT(buffer_);
 }
 

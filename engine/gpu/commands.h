@@ -48,9 +48,9 @@ class Commands {
     VkCommandBuffer handle() const { return buffer_; }
     const Device& device() const { return device_; }
 
-    // Mark the begin and the end of a pass; PassScope calls them. end_pass takes the number that begin_pass returned.
+    // Mark the begin and the end of a pass; PassScope calls them. end_pass takes the index that begin_pass returned.
     uint32_t begin_pass(const std::string& pass);
-    void end_pass(uint32_t number);
+    void end_pass(uint32_t index);
 
     // GPU time of each timed PassScope of the last finished submission, in the order of recording.
     std::vector<PassTime> pass_times() const;
@@ -84,14 +84,14 @@ class Commands {
 // Names a pass in captures and times it on the GPU, for as long as the scope lives.
 class PassScope {
   public:
-    PassScope(Commands& commands, const std::string& name) : commands_(commands), number_(commands.begin_pass(name)) {}
-    ~PassScope() { commands_.end_pass(number_); }
+    PassScope(Commands& commands, const std::string& name) : commands_(commands), index_(commands.begin_pass(name)) {}
+    ~PassScope() { commands_.end_pass(index_); }
     PassScope(const PassScope&) = delete;
     PassScope& operator=(const PassScope&) = delete;
 
   private:
     Commands& commands_;
-    uint32_t number_;
+    uint32_t index_;
 };
 
 // Here and below, `push_bytes` must be the size that the shader declares (assert).

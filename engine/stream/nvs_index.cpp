@@ -142,16 +142,16 @@ uint32_t Index::group_of(uint32_t frame) const {
 }
 
 ByteRange Index::place_of(uint32_t frame, Part part) const {
-    const uint32_t number = group_of(frame);
-    const Group& group = groups[number];
-    uint64_t offset =
-        part == kShape ? group.offset + group.table_bytes : place_of_group(number, static_cast<Part>(part - 1)).end();
+    const uint32_t group_index = group_of(frame);
+    const Group& group = groups[group_index];
+    uint64_t offset = part == kShape ? group.offset + group.table_bytes
+                                     : place_of_group(group_index, static_cast<Part>(part - 1)).end();
     for (uint32_t before = group.first; before < frame; ++before) offset += frames[before].bytes[part];
     return {offset, frames[frame].bytes[part]};
 }
 
-ByteRange Index::place_of_group(uint32_t number, Part last) const {
-    const Group& group = groups[number];
+ByteRange Index::place_of_group(uint32_t group_index, Part last) const {
+    const Group& group = groups[group_index];
     ByteRange range{group.offset, group.table_bytes};
     for (uint32_t frame = group.first; frame < group.first + group.frames; ++frame)
         for (uint32_t part = 0; part <= last; ++part) range.count += frames[frame].bytes[part];

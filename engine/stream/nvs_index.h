@@ -46,7 +46,7 @@ struct Index {
     // Where a part of a frame stands in the file.
     ByteRange place_of(uint32_t frame, Part part) const;
     // The tables of a group and all parts up to `last` of its frames, which stand together.
-    ByteRange place_of_group(uint32_t group, Part last = kShFine) const;
+    ByteRange place_of_group(uint32_t group_index, Part last = kShFine) const;
 };
 
 constexpr uint32_t kMaxStreamFrames = 10'000'000;

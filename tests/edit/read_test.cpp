@@ -229,7 +229,7 @@ TEST(ReadHostile, ANodeThatDoesNotExistHasNothingOnIt) {
     for (const auto& ask : questions) expect_input_error(ask, {"node 1 does not exist"});
 }
 
-TEST(ReadHostile, NumbersOutOfTheirRangeAreToldByTheirPlace) {
+TEST(ReadHostile, NumbersOutOfTheirRangeAreReportedByTheirPlace) {
     const stage::StageFile file = document(R"(, "scenes": [{"extensions": {"NEUVV_stage": {"fps": -1}}}],
         "nodes": [{"extensions": {"NEUVV_performer": {"uri": "a.nvv", "opacity": 2}}}])");
     expect_input_error([&] { edit::performer_on(file, 0); }, {"/nodes/0/extensions/NEUVV_performer", "opacity"});

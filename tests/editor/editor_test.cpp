@@ -124,7 +124,7 @@ TEST(Editor, FrozenItTellsWhy) {
     EXPECT_TRUE(editor.edit(named(0, "x")));
 }
 
-TEST(Editor, WhatAFileHasThatIsNotShownIsToldOnce) {
+TEST(Editor, WhatAFileHasThatIsNotShownIsReportedOnce) {
     editor::StageState state;
     const auto notices = [&] {
         std::vector<std::string> texts;

@@ -42,22 +42,22 @@ struct PaintSpreadTest : testing::Test {
         look = edit::free_paint_path(document, anna);
         editor.open(document, false);
         place = editor::PaintPlace(std::make_shared<const voctree::ClipIndex>(voctree::read_clip_index(clip)), 2);
-        ASSERT_EQ(place.number, 1u);
+        ASSERT_EQ(place.segment_index, 1u);
     }
     ~PaintSpreadTest() override { jobs.stop(); }
 
-    std::shared_ptr<const editor::PaintClip> segment(uint32_t number) const {
-        return std::make_shared<const editor::PaintClip>(voctree::read_segment(place.index->segments[number]));
+    std::shared_ptr<const editor::PaintClip> segment(uint32_t segment_index) const {
+        return std::make_shared<const editor::PaintClip>(voctree::read_segment(place.index->segments[segment_index]));
     }
-    std::filesystem::path file(uint32_t number) const {
-        return voctree::paint_file(look, place.index->segments[number]);
+    std::filesystem::path file(uint32_t segment_index) const {
+        return voctree::paint_file(look, place.index->segments[segment_index]);
     }
     static Layer empty(const editor::PaintClip& of) {
         return std::make_shared<const voctree::EditLayer>(voctree::EditLayer{of.field, {}});
     }
-    bool set(uint32_t number, const Layer& layer) {
+    bool set(uint32_t segment_index, const Layer& layer) {
         return editor.edit([&](edit::Document& document) {
-            return edit::set_paint(document, anna, look, "look", {{file(number), layer}}, "painted");
+            return edit::set_paint(document, anna, look, "look", {{file(segment_index), layer}}, "painted");
         });
     }
     // Paints the segment that is seen, and begins to paint the others.
@@ -88,8 +88,8 @@ struct PaintSpreadTest : testing::Test {
             spreads.update(false);
         } while (!jobs.idle() || jobs.has_posted());
     }
-    std::vector<voctree::LeafEdit> edits_of(uint32_t number) const {
-        const auto found = editor.document().paint.find(file(number));
+    std::vector<voctree::LeafEdit> edits_of(uint32_t segment_index) const {
+        const auto found = editor.document().paint.find(file(segment_index));
         return found != editor.document().paint.end() ? found->second->edits : std::vector<voctree::LeafEdit>();
     }
     // Paint on a leaf of the last segment that is not in the box.
@@ -112,14 +112,14 @@ TEST_F(PaintSpreadTest, EachSegmentHasLeavesOfItsOwnInARegion) {
     operation.frames = {0, 4, edit::Follow::kNot};
     paint();
     settle();
-    for (uint32_t number = 0; number < 3; ++number) {
-        const auto of = segment(number);
+    for (uint32_t segment_index = 0; segment_index < 3; ++segment_index) {
+        const auto of = segment(segment_index);
         editor::PaintOperation there = operation;
-        there.frames = {0, number == 2 ? 0.0f : 1.0f, edit::Follow::kNot};
+        there.frames = {0, segment_index == 2 ? 0.0f : 1.0f, edit::Follow::kNot};
         const Layer want = editor::apply_operation(of->canvas, *empty(*of),
                                                    editor::leaves_for(of->canvas, *empty(*of), box, there), there);
-        ASSERT_TRUE(want) << number;
-        EXPECT_EQ(edits_of(number), want->edits) << number;
+        ASSERT_TRUE(want) << segment_index;
+        EXPECT_EQ(edits_of(segment_index), want->edits) << segment_index;
     }
     editor.undo();
     EXPECT_TRUE(edits_of(0).empty() && edits_of(2).empty()) << "the others are one step";
@@ -145,11 +145,11 @@ TEST_F(PaintSpreadTest, EditsThatFollowLeavesAreCarried) {
     voctree::add_edits(want_seen, carrier.seen_edits());
     EXPECT_EQ(edits_of(1), want_seen.edits);
     size_t carried = 0;
-    while (const auto number = carrier.next()) {
-        const editor::PaintCarrier::Edits edits = carrier.edits_in(segment(*number));
-        voctree::EditLayer want = *empty(*segment(*number));
+    while (const auto segment_index = carrier.next()) {
+        const editor::PaintCarrier::Edits edits = carrier.edits_in(segment(*segment_index));
+        voctree::EditLayer want = *empty(*segment(*segment_index));
         voctree::add_edits(want, edits);
-        EXPECT_EQ(edits_of(*number), want.edits) << *number;
+        EXPECT_EQ(edits_of(*segment_index), want.edits) << *segment_index;
         carried += want.edits.size();
     }
     EXPECT_GT(carried, 10u);
@@ -193,9 +193,9 @@ TEST_F(PaintSpreadTest, EachStrokeFindsWhatTheOneBeforeItPainted) {
     ASSERT_TRUE(set(1, twice.layer));
     spreads.start(place, anna, look, once, twice.layer, *twice.spread);
     settle();
-    for (uint32_t number = 0; number < 3; ++number)
-        for (const voctree::LeafEdit& edit : edits_of(number))
-            EXPECT_EQ(edit.colour, glm::vec3(0.5f, 0, 0.5f)) << "blue over red in segment " << number;
+    for (uint32_t segment_index = 0; segment_index < 3; ++segment_index)
+        for (const voctree::LeafEdit& edit : edits_of(segment_index))
+            EXPECT_EQ(edit.colour, glm::vec3(0.5f, 0, 0.5f)) << "blue over red in segment " << segment_index;
     EXPECT_FALSE(was_notified("painted meanwhile"));
 }
 
@@ -254,7 +254,7 @@ TEST_F(PaintSpreadTest, WhereNothingIsSeenTheOthersArePaintedAllTheSame) {
 // Without an overlap, the nearer of two frames is seen, and painted.
 TEST_F(PaintSpreadTest, BetweenTwoSegmentsTheNearerFrameIsMeant) {
     place = editor::PaintPlace(place.index, 1.4f);
-    EXPECT_EQ(place.number, 0u);
+    EXPECT_EQ(place.segment_index, 0u);
     EXPECT_EQ(place.clip_frame(), 1);
     EXPECT_EQ(editor::PaintPlace(place.index, 1.6f).clip_frame(), 2);
     EXPECT_EQ(editor::PaintPlace(place.index, 0.5f).clip_frame(), 0.5f);
@@ -278,7 +278,7 @@ TEST_F(PaintSpreadTest, WhoPaintsIsNotCutOff) {
     EXPECT_FALSE(edits_of(0).empty());
 }
 
-TEST_F(PaintSpreadTest, ASegmentThatCannotBeReadIsToldAndTheRestIsKept) {
+TEST_F(PaintSpreadTest, ASegmentThatCannotBeReadIsReportedAndTheRestIsKept) {
     std::filesystem::remove(place.index->segments[2].file);
     paint();
     settle();

@@ -55,7 +55,7 @@ TEST_F(WaveformsTest, AreReadAndReadAgainWhenTheFileChanges) {
     EXPECT_EQ(waveforms.of(other), nullptr);
 }
 
-TEST_F(WaveformsTest, WhatCannotBeReadIsToldOnceAndReadLater) {
+TEST_F(WaveformsTest, WhatCannotBeReadIsReportedOnceAndReadLater) {
     write(other, 1000);
     std::ofstream(wav) << "no sound at all";
     waveforms.follow({wav, other});

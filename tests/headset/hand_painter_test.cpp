@@ -374,7 +374,7 @@ TEST_F(BrushHandTest, AStrokeBelongsToThePerformerItWasBegunOn) {
     EXPECT_TRUE(edit::paint_layers_of(state.editor.file(), node("anna"))->empty());
 }
 
-TEST_F(BrushHandTest, AClipThatCannotBeReadIsToldAndNothingIsStuck) {
+TEST_F(BrushHandTest, AClipThatCannotBeReadIsReportedAndNothingIsStuck) {
     damage(clip);
     dab(head_of_ben);
     settle();

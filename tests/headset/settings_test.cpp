@@ -108,7 +108,7 @@ TEST_F(HeadsetSettingsTest, WhatANewerProgramWroteStays) {
     EXPECT_EQ(now["comfort"]["snap_deg"], 45);
 }
 
-TEST_F(HeadsetSettingsTest, WhatIsWrongIsToldAndHasItsDefault) {
+TEST_F(HeadsetSettingsTest, WhatIsWrongIsReportedAndHasItsDefault) {
     write(
         R"({"comfort": {"snap_deg": 1e9, "vignette": 3}, "brush": {"tip": "cone", "colour": {"red": -1}, "radius_m": 0.2}})");
     headset::HeadsetSettings(file).load(state, grab);

@@ -229,7 +229,7 @@ TEST_F(Sink, TheRecordNamesOnlyWhatIsThere) {
     for (uint32_t i = 0; i < kImages; ++i) EXPECT_TRUE(again.has(i)) << i;
 }
 
-TEST_F(Sink, WhatCannotBeWrittenIsToldLater) {
+TEST_F(Sink, WhatCannotBeWrittenIsReportedLater) {
     std::filesystem::create_directory(folder.path / "gone");
     media::ImageSink into = sink("gone/o_%02d.png", false);
     std::filesystem::remove_all(folder.path / "gone");

@@ -183,7 +183,7 @@ TEST_F(StageClipsTest, SegmentsTakeTheMemoryOfSlicesWhereThereIsNoOther) {
 }
 
 // As a paused window does, which shows again and again and draws nothing.
-TEST_F(StageClipsTest, ASegmentForWhichThereIsNoMemoryIsToldOnce) {
+TEST_F(StageClipsTest, ASegmentForWhichThereIsNoMemoryIsReportedOnce) {
     write_clip(0, {.node_levels = 3, .leaves = 3000, .bases = 4, .hh_degree = 2, .frames = 2 * kSegments});
     const stage::EvaluatedStage evaluated = stage::stage_at(*stage, middle_of(kSegments - 1));
     render::StageRenderer renderer(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});

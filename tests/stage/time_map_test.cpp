@@ -84,7 +84,7 @@ TEST(TimeMap, PeriodsAreThoseOfWhatIsShown) {
     }
 }
 
-TEST(TimeMap, PartsBeyondTheEndAreToldOf) {
+TEST(TimeMap, PartsBeyondTheEndAreReported) {
     const auto check = [](const char* text) { stage::expect_parts_within(timeline(text), "--time", text); };
     for (const char* text :
          {"loop:0:10f", "loop:0:0.4s", "clip:8f:10f", "loop,clip:8f:14f", "ping-pong", "offset:2f,loop:0:12f"})
@@ -130,8 +130,8 @@ TEST(TimeMap, RoundingMixesNoFrames) {
     EXPECT_GT(stage::frame_at(timeline(""), (3 + 2e-6) / kFps), 3);
 }
 
-// A brute-force twin: a clip is the list of the frames that it shows, and operators cut and paste lists. It has whole
-// frames only, and speeds that take every second or third frame or show each frame twice without mixing frames.
+// A brute-force reference: a clip is the list of the frames that it shows, and operators cut and paste lists. It has
+// whole frames only, and speeds that take every second or third frame or show each frame twice without mixing frames.
 struct Cutting {
     Frames frames;
     bool endless = false;

@@ -76,7 +76,7 @@ TEST_F(CliStage, ABackgroundReplacesTheEnvironment) {
     EXPECT_GT(with.rgba[floor + 2], without.rgba[floor + 2]) << "it shines";
 }
 
-TEST_F(CliStage, LightsBeyondTheLimitsAreToldOf) {
+TEST_F(CliStage, LightsBeyondTheLimitsAreReported) {
     for (int i = 0; i < 5; ++i) done({"stage", "light", show, "--add", "--at", "0,3,0", "--aim", "0,0,0.1"});
     const ProgramResult casting =
         run_neuvv({"render", "--overwrite", show, "-o", file("still.png"), "--size", "16x16"});

@@ -90,10 +90,10 @@ ExportedClip::Pose ExportedClip::pose_at(uint32_t frame) const {
 
 ExportedClip::Shown ExportedClip::shown(uint32_t frame) {
     const voctree::SegmentFrame at = voctree::segment_frame(scene_.index, pose_at(frame).frame);
-    if (!segment_ || segment_number_ != at.segment) {
+    if (!segment_ || segment_index_ != at.segment) {
         segment_.reset();  // before the next one is read: together they may be too large
         segment_ = std::make_unique<Segment>(scene_, scene_.index.segments[at.segment]);
-        segment_number_ = at.segment;
+        segment_index_ = at.segment;
     }
     return {*segment_, double{at.frame}};
 }

@@ -79,7 +79,7 @@ class ExportedClip {
     uint32_t recorded_frames_;  // of the clip, or of the stage at its rate
     double step_ = 1;           // of those, from one frame to the next
     std::unique_ptr<Segment> segment_;
-    uint32_t segment_number_ = 0;
+    uint32_t segment_index_ = 0;
 };
 
 // Of files without room for it: "; the file's origin is (x, y, z) of the capture". Empty where both are the same.

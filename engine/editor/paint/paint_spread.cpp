@@ -79,9 +79,9 @@ class PaintSpreads::Spread : public std::enable_shared_from_this<Spread> {
 
     // Paints the next segment. False: there was none.
     bool work(const voctree::PaintLayers& edited) {
-        const std::optional<uint32_t> number = paint_.next();
-        if (!number) return false;
-        const voctree::ClipSegment& segment = place_.index->segments[*number];
+        const std::optional<uint32_t> segment_index = paint_.next();
+        if (!segment_index) return false;
+        const voctree::ClipSegment& segment = place_.index->segments[*segment_index];
         const auto clip = std::make_shared<const PaintClip>(voctree::read_segment(segment));
         const std::filesystem::path file = voctree::paint_file(layer_, segment);
         const auto known = edited.find(file);
@@ -157,7 +157,7 @@ SeenPaint seen_paint(const PaintPlace& place, const PaintClip& clip, const Layer
 CarriedPaint carry_on(const PaintPlace& place, const std::shared_ptr<const PaintClip>& clip, const Layer& before,
                       const Layer& selected, const edit::EditFrames& of_clip) {
     if (!selected) return {};
-    auto carrier = std::make_shared<PaintCarrier>(*place.index, of_clip, place.number, clip, selected->edits);
+    auto carrier = std::make_shared<PaintCarrier>(*place.index, of_clip, place.segment_index, clip, selected->edits);
     if (carrier->seen_edits().empty()) return {nullptr, carrier};
     auto after = std::make_shared<voctree::EditLayer>(*before);
     voctree::add_edits(*after, carrier->seen_edits());
@@ -176,20 +176,21 @@ SpreadPaint spread_edits(const std::shared_ptr<PaintCarrier>& carrier) {
 }
 
 SpreadPaint spread_region(const PaintPlace& seen, const PaintOperation& operation, const edit::Region& region) {
-    const auto number = std::make_shared<std::optional<uint32_t>>();
+    const auto segment_index = std::make_shared<std::optional<uint32_t>>();
     const auto frames = [seen, operation](uint32_t segment) {
         return frames_in(operation.frames, seen.index->segments[segment]);
     };
     return {[=]() -> std::optional<uint32_t> {
-                for (uint32_t next = *number ? **number + 1 : 0; next < seen.index->segments.size(); ++next) {
-                    *number = next;
-                    if (next != seen.number && frames(next).first <= frames(next).last) return next;
+                for (uint32_t next = *segment_index ? **segment_index + 1 : 0; next < seen.index->segments.size();
+                     ++next) {
+                    *segment_index = next;
+                    if (next != seen.segment_index && frames(next).first <= frames(next).last) return next;
                 }
                 return std::nullopt;
             },
             [=](const std::shared_ptr<const PaintClip>& clip, const Layer& before) -> SpreadPaint::Painted {
                 PaintOperation there = operation;
-                there.frames = frames(**number);
+                there.frames = frames(**segment_index);
                 return {apply_operation(clip->canvas, *before, leaves_for(clip->canvas, *before, region, there), there),
                         {}};
             }};

@@ -80,7 +80,7 @@ class Charter {
 
   private:
     Flat flat_of(const Chart& chart, uint32_t triangle) const;
-    Chart grow(uint32_t seed, uint32_t number);
+    Chart grow(uint32_t seed, uint32_t index);
     const TriangleMesh& mesh_;
     std::vector<glm::vec3> normals_;                   // of triangles
     std::vector<std::array<uint32_t, 3>> neighbours_;  // beyond each edge
@@ -119,7 +119,7 @@ Flat Charter::flat_of(const Chart& chart, uint32_t triangle) const {
 }
 
 // The chart of a triangle: its neighbours, and theirs, as long as they fit.
-Chart Charter::grow(uint32_t seed, uint32_t number) {
+Chart Charter::grow(uint32_t seed, uint32_t index) {
     const glm::vec3 size = glm::abs(normals_[seed]);
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const float sign = normals_[seed][axis] < 0 ? -1.0f : 1.0f;
@@ -128,7 +128,7 @@ Chart Charter::grow(uint32_t seed, uint32_t number) {
     chart.v[(axis + 2) % 3] = 1;
     FlatGrid grid(square_);
     chart.triangles.push_back(seed);
-    chart_of_[seed] = number;
+    chart_of_[seed] = index;
     grid.add(flat_of(chart, seed));
     for (size_t i = 0; i < chart.triangles.size(); ++i)
         for (const uint32_t next : neighbours_[chart.triangles[i]]) {
@@ -136,7 +136,7 @@ Chart Charter::grow(uint32_t seed, uint32_t number) {
             const Flat flat = flat_of(chart, next);
             if (!grid.is_free(flat)) continue;
             grid.add(flat);
-            chart_of_[next] = number;
+            chart_of_[next] = index;
             chart.triangles.push_back(next);
         }
     chart.low = glm::vec2(std::numeric_limits<float>::max());

@@ -92,7 +92,7 @@ void StageRenderer::change(const stage::Stage& stage, const StageAssets& assets)
     next.go_on_from(clips_);
     const StageClips before = std::exchange(clips_, std::move(next));
     slice_shares_ = clips_.usual_fields();
-    told_problems_ = 0;
+    reported_problems_ = 0;
     update_fields();
     stage_ = &stage;
     apply_paints(stage, std::move(paints));
@@ -131,8 +131,8 @@ void StageRenderer::update_segment_paints() {
 
 std::vector<std::string> StageRenderer::take_problems() {
     const std::vector<std::string>& all = clips_.problems();
-    const size_t told = std::exchange(told_problems_, all.size());
-    return {all.begin() + static_cast<ptrdiff_t>(told), all.end()};
+    const size_t reported = std::exchange(reported_problems_, all.size());
+    return {all.begin() + static_cast<ptrdiff_t>(reported), all.end()};
 }
 
 std::vector<std::pair<const Field*, float>> StageRenderer::shown(const stage::EvaluatedStage& evaluated) const {

@@ -146,7 +146,7 @@ class StageRenderer {
     uint64_t lack_budget_;    // of slices, when a segment last found no memory; before that, the first budget
     FrameCapacity capacity_;  // its size is that of settings_at; the set's size is the largest so far
     StageClips clips_;
-    size_t told_problems_ = 0;          // of clips_, by take_problems()
+    size_t reported_problems_ = 0;      // of clips_, by take_problems()
     std::vector<const Field*> fields_;  // of clips_, in the order of FrameRenderer
     uint32_t slice_shares_ = 0;         // FrameRenderer::change_fields
     std::map<PaintKey, uint32_t> paint_numbers_;

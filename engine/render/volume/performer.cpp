@@ -128,9 +128,9 @@ uint32_t Performer::add_target(const RayTarget& target, uint32_t views) {
     return static_cast<uint32_t>(passes_.size()) - 1;
 }
 
-void Performer::replace_target(uint32_t number, const RayTarget& target, uint32_t views) {
-    targets_[number] = {&target, views};
-    passes_[number] =
+void Performer::replace_target(uint32_t index, const RayTarget& target, uint32_t views) {
+    targets_[index] = {&target, views};
+    passes_[index] =
         std::make_unique<TargetPasses>(device_, field_, live_, slices_ ? &slices_->trees() : nullptr, target, views);
 }
 

@@ -106,7 +106,7 @@ class Performer {
     // Adds a target for its instances, with at most `views` views. Returns the target's number.
     uint32_t add_target(const RayTarget& target, uint32_t views);
     // Gives the number to another target.
-    void replace_target(uint32_t number, const RayTarget& target, uint32_t views);
+    void replace_target(uint32_t index, const RayTarget& target, uint32_t views);
 
     // Before an image is recorded, first the slices of its instances in all targets are requested, the most important
     // first, and the slices of the next images (`next`, to be prefetched). Then the second function is called for each

@@ -143,13 +143,13 @@ SegmentFrame segment_frame(const ClipIndex& index, double frame) {
     const auto after = std::upper_bound(
         index.segments.begin(), index.segments.end(), frame,
         [](double value, const ClipSegment& segment) { return value < static_cast<double>(segment.first); });
-    auto number = static_cast<uint32_t>(std::max<ptrdiff_t>(after - index.segments.begin(), 1) - 1);
-    const double behind = frame - (index.segments[number].end() - 1);  // the segment's last frame
-    const bool is_last = number + 1 == index.segments.size();
-    if (index.segments[number].overlap == 0 && behind >= 0.5 && !is_last) ++number;
-    const ClipSegment& segment = index.segments[number];
+    auto segment_index = static_cast<uint32_t>(std::max<ptrdiff_t>(after - index.segments.begin(), 1) - 1);
+    const double behind = frame - (index.segments[segment_index].end() - 1);  // the segment's last frame
+    const bool is_last = segment_index + 1 == index.segments.size();
+    if (index.segments[segment_index].overlap == 0 && behind >= 0.5 && !is_last) ++segment_index;
+    const ClipSegment& segment = index.segments[segment_index];
     const double last = (is_last ? segment.frames : segment.frames_of_file()) - 1.0;
-    return {number, static_cast<float>(std::clamp(frame - segment.first, 0.0, last))};
+    return {segment_index, static_cast<float>(std::clamp(frame - segment.first, 0.0, last))};
 }
 
 std::vector<SegmentShare> segment_shares(const ClipIndex& index, double frame) {

@@ -79,11 +79,11 @@ void expect_sound(const Rig& rig) {
         const auto image = std::pair(shot.image.path.lexically_normal(), shot.image.video_frame);
         if (const auto [same, fresh] = images.try_emplace(image, &shot); !fresh)
             fail("is the image of " + same->second->place + " again", "give each frame its own image");
-        if (const auto [twin, alone] = shots_by_time.try_emplace({shot.camera, shot.time}, &shot); !alone)
-            fail("has the camera and the time of " + twin->second->place,
+        if (const auto [same, alone] = shots_by_time.try_emplace({shot.camera, shot.time}, &shot); !alone)
+            fail("has the camera and the time of " + same->second->place,
                  "remove the duplicate, or give each frame its time");
-        if (const auto [twin, alone] = names.try_emplace(shot.name, &shot); !alone)
-            fail(fmt::format("bears the name {} of {}", shot.name, twin->second->place), "rename its image");
+        if (const auto [same, alone] = names.try_emplace(shot.name, &shot); !alone)
+            fail(fmt::format("bears the name {} of {}", shot.name, same->second->place), "rename its image");
     }
 }
 
