@@ -27,11 +27,11 @@ DebugBuffer::DebugBuffer(const Device& device)
 std::vector<DebugRecord> DebugBuffer::drain(uint64_t& lost) {
     const std::lock_guard lock(mutex_);
     auto* header = buffer_.as<DebugHeader>();
-    const uint32_t count = std::min(head->count, kMaxDebugRecords);
-    lost = head->count - count;
+    const uint32_t count = std::min(header->count, kMaxDebugRecords);
+    lost = header->count - count;
     std::vector<DebugRecord> records(count);
     if (count > 0) std::memcpy(records.data(), header + 1, count * sizeof(DebugRecord));
-    head->count = 0;
+    header->count = 0;
     return records;
 }
 

@@ -92,7 +92,7 @@ stage::Stage stage_of_copies(const std::filesystem::path& clip, uint32_t copies,
     const double step_m = widths_apart * header.box_size.x;
     for (uint32_t i = 0; i < copies; ++i) {
         edit::Placement placement;
-        placement.at = glm::dvec3(step_m * (i - 0.5 * (copies - 1)), -head.box_min.y, 0);
+        placement.at = glm::dvec3(step_m * (i - 0.5 * (copies - 1)), -header.box_min.y, 0);
         edit::PerformerEdit edit;
         edit.clip = file_of_clip;
         edit.time = stage::parse_time_map(fmt::format("loop,offset:{}f", -static_cast<double>(i * (header.frames / 2))),
