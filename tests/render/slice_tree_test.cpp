@@ -145,13 +145,13 @@ TEST_F(SliceTreeTest, FarNodesAreSmallAndNothingBesideTheImageIsSeen) {
     const voctree::VOctree tree = random_tree({.seed = 12, .node_levels = 4, .leaves = 3000});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const auto finest = static_cast<uint32_t>(field.level_begin.size()) - 2;
-    const glm::vec3 centre = 0.5f * (field.leaves_min + field.leaves_max);
+    const glm::vec3 middle = 0.5f * (field.leaves_min + field.leaves_max);
     const float edge = glm::max(field.box_size.x, glm::max(field.box_size.y, field.box_size.z));
-    EXPECT_EQ(render::range_level(field, centre, 100), finest);
-    EXPECT_EQ(render::range_level(field, centre + glm::vec3(0, 0, 1000 * edge), 100), 0u);
+    EXPECT_EQ(render::range_level(field, middle, 100), finest);
+    EXPECT_EQ(render::range_level(field, middle + glm::vec3(0, 0, 1000 * edge), 100), 0u);
     uint32_t last = finest;
     for (float away = edge; away < 1000 * edge; away *= 2) {
-        const uint32_t level = render::range_level(field, centre + glm::vec3(0, 0, away), 100);
+        const uint32_t level = render::range_level(field, middle + glm::vec3(0, 0, away), 100);
         EXPECT_LE(level, last);
         last = level;
     }
@@ -159,7 +159,7 @@ TEST_F(SliceTreeTest, FarNodesAreSmallAndNothingBesideTheImageIsSeen) {
         return render::pixels_covered(render::range_view(render::shader_camera(look_at(eye, at, 40, 30, 1))), {40, 30},
                                       field.leaves_min, field.leaves_max);
     };
-    const glm::dvec3 centre(centre), far(0, 0, 20 * edge);
+    const glm::dvec3 centre(middle), far(0, 0, 20 * edge);
     EXPECT_EQ(pixels(centre, centre + glm::dvec3(1, 0, 0)), 40 * 30) << "around the eye";
     EXPECT_GT(pixels(centre + far, centre), 1);
     EXPECT_LT(pixels(centre + far, centre), 100);

@@ -94,9 +94,9 @@ Dataset at_frames(const Dataset& dataset, const std::vector<size_t>& frames) {
 double hull_margin(const std::vector<stage::Camera>& cameras, glm::dvec3 centre) {
     std::vector<double> distances;
     for (const stage::Camera& camera : cameras) distances.push_back(distance_to(camera, centre));
-    const auto centre = distances.begin() + static_cast<ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), centre, distances.end());
-    return kHullMargin * *centre;
+    const auto middle = distances.begin() + static_cast<ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    return kHullMargin * *middle;
 }
 
 double root_mean_square(const std::vector<double>& values) {

@@ -16,7 +16,7 @@ constexpr float kBeta1 = 0.9f, kBeta2 = 0.99f, kEpsilon = 1e-8f;
 // and where all colours are alike, images cannot tell the one from the other.
 constexpr float kGainPrior = 1e-5f, kMixPrior = 0.1f;
 
-// Vignettes of 30 % at corners are common; a performer who stays in the centre of an image says little of them.
+// Vignettes of 30 % at corners are common; a performer who stays in the middle of an image says little of them.
 constexpr float kVignettePrior = 1e-5f;
 
 // Within these bounds, each element of A's diagonal is larger than the others of its row together, so A has an inverse.
@@ -68,13 +68,13 @@ glm::vec2 vignette_of(const LearntNumbers& vignettes, size_t camera) {
     return {vignettes.values[2 * camera], vignettes.values[2 * camera + 1]};
 }
 
-// The squared distance of a tile's centre from the principal point; 1 at the farthest corner of the image.
+// The squared distance of a tile's middle from the principal point; 1 at the farthest corner of the image.
 float radius_squared(const Batch& batch, size_t tile, const stage::Camera& camera) {
-    const glm::dvec2 centre =
+    const glm::dvec2 middle =
         (glm::dvec2(batch.tiles[tile].x, batch.tiles[tile].y) + 0.5 * kTile) / double(batch.samples);
     const glm::dvec2 principal(camera.cx, camera.cy), size(camera.width, camera.height);
     const glm::dvec2 corner = glm::max(principal, size - principal);
-    const glm::dvec2 from = centre - principal;
+    const glm::dvec2 from = middle - principal;
     return static_cast<float>(glm::dot(from, from) / glm::dot(corner, corner));
 }
 
@@ -140,7 +140,7 @@ glm::vec3 gains(const CameraColour& camera) {
 }
 
 float vignette_at(glm::vec2 vignette, float r2) {
-    const float inside = std::min(r2, 1.0f);  // the centre of a tile at the edge may lie beyond the corner
+    const float inside = std::min(r2, 1.0f);  // the middle of a tile at the edge may lie beyond the corner
     return 1 + vignette.x * inside + vignette.y * inside * inside;
 }
 

@@ -12,7 +12,7 @@ namespace {
 constexpr double kDeviations = 2;      // of a splat that count as inside a box
 constexpr size_t kFloatersOf = 50;     // splats that one may float among, at each end of an axis
 constexpr size_t kFewest = 10;         // splats among which one may float
-constexpr double kMarginOfCentre = 2;  // sizes of the centre that splats may lie around it
+constexpr double kMarginOfMiddle = 2;  // sizes of the middle that splats may lie around it
 constexpr size_t kOutsideDense = 10;   // of so many splats, one is outside the dense box at each end of an axis
 constexpr size_t kFewestOfDense = 4;
 constexpr double kDenseIsSmaller = 4;
@@ -48,7 +48,7 @@ void include(SplatBox& box, const SplatBox& other, bool is_first) {
 }
 
 // Without the `cut` outermost splats at each end of each axis.
-SplatBox centre_of(const std::vector<Seen>& seen, size_t cut) {
+SplatBox middle_of(const std::vector<Seen>& seen, size_t cut) {
     SplatBox box;
     std::vector<double> ends(seen.size());
     const auto nth = [&](size_t n) {
@@ -86,10 +86,10 @@ MainBox main_box_of(const Splats& splats) {
     const std::vector<Seen> seen = seen_of(splats);
     if (seen.empty()) return main;
     const size_t cut = std::max<size_t>(seen.size() / kFloatersOf, seen.size() >= kFewest ? 1 : 0);
-    const SplatBox centre = centre_of(seen, cut);
-    const glm::dvec3 margin(kMarginOfCentre * centre.longest_m());
-    const SplatBox most{centre.low - margin, centre.high + margin};
-    const glm::dvec3 centre = 0.5 * (centre.low + centre.high);
+    const SplatBox middle = middle_of(seen, cut);
+    const glm::dvec3 margin(kMarginOfMiddle * middle.longest_m());
+    const SplatBox most{middle.low - margin, middle.high + margin};
+    const glm::dvec3 centre = 0.5 * (middle.low + middle.high);
     double farthest = -1;
     bool is_first = true;
     for (const Seen& each : seen) {
@@ -106,7 +106,7 @@ MainBox main_box_of(const Splats& splats) {
         }
     }
     if (seen.size() >= kFewestOfDense) {
-        const SplatBox dense = centre_of(seen, std::max<size_t>(seen.size() / kOutsideDense, 1));
+        const SplatBox dense = middle_of(seen, std::max<size_t>(seen.size() / kOutsideDense, 1));
         if (kDenseIsSmaller * dense.longest_m() < main.box.longest_m()) main.dense = dense;
     }
     return main;

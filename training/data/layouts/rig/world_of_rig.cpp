@@ -17,10 +17,10 @@ constexpr double kFarthestOfSize = 64;  // of the rig's size
 // Smaller captures need densities beyond fp16, larger ones have densities and positions that it rounds away.
 constexpr double kSmallestSize = 0.05, kLargestSize = 1e4;
 
-double centre_of(std::vector<double> values) {
-    const auto centre = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), centre, values.end());
-    return *centre;
+double median_of(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
 }
 
 // Medians, so that a camera that is calibrated wrongly does not count. Positions count once, as splits repeat some.
@@ -29,7 +29,7 @@ glm::dvec3 median_position(const std::vector<glm::dvec3>& positions) {
     for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> along;
         for (const glm::dvec3& position : positions) along.push_back(position[axis]);
-        centre[axis] = centre_of(along);
+        centre[axis] = median_of(along);
     }
     return centre;
 }
@@ -69,7 +69,7 @@ voctree::WorldFrame world_of(const std::vector<glm::dmat4>& poses,
     const glm::dvec3 centre = median_position(positions);
     std::vector<double> distances;
     for (const glm::dvec3& position : positions) distances.push_back(glm::distance(position, centre));
-    const double spread = centre_of(distances);
+    const double spread = median_of(distances);
     double size = std::max(spread, distance_to_scene(poses, centre, kFarthestOfSize * spread));
     if (box) size = std::max(size, 0.5 * glm::distance(box->first, box->second));
     if (!(size > 0) || !std::isfinite(size)) return {};
