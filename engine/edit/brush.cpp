@@ -91,8 +91,8 @@ std::vector<voctree::LeafEdit> stroke(const Canvas& canvas, std::span<const floa
     std::vector<float> covered(sigma.size());
     parallel_for(sigma.size(), 1024, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; ++leaf)
-            if (sigma[leaf] > 0 && bounds(canvas.middles[leaf]))
-                covered[leaf] = coverage(brush, distance_to_stroke(canvas.middles[leaf], touches, brush.radius_m));
+            if (sigma[leaf] > 0 && bounds(canvas.centres[leaf]))
+                covered[leaf] = coverage(brush, distance_to_stroke(canvas.centres[leaf], touches, brush.radius_m));
     });
     std::vector<voctree::LeafEdit> edits;
     for (uint32_t leaf = 0; leaf < covered.size(); ++leaf) {

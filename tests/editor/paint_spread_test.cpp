@@ -96,8 +96,8 @@ struct PaintSpreadTest : testing::Test {
     Layer green_dot() const {
         const auto last = segment(2);
         uint32_t leaf = 0;
-        while (leaf + 1 < last->tree.leaf_count && box(last->canvas.middles[leaf])) ++leaf;
-        EXPECT_FALSE(box(last->canvas.middles[leaf]));
+        while (leaf + 1 < last->tree.leaf_count && box(last->canvas.centres[leaf])) ++leaf;
+        EXPECT_FALSE(box(last->canvas.centres[leaf]));
         return std::make_shared<const voctree::EditLayer>(
             voctree::EditLayer{last->field, {{.leaf = leaf, .first = 0, .last = 1, .colour = {0, 1, 0}, .alpha = 1}}});
     }
