@@ -271,7 +271,7 @@ TEST_F(LeafRasterTest, TilesHaveTheirLeavesFrontToBack) {
                 for (uint32_t x = 0; x < kWidth; ++x) {
                     const auto& ranks = rank_of_leaf[ray_of_pixel(x, y, kWidth) / kTilePixels];
                     size_t next = 0;
-                    for (const reference::Segment& part :
+                    for (const reference::LeafInterval& part :
                          reference::intersect(tree, reference::camera_ray(view.camera, x, y))) {
                         // A shorter part of a ray is at a corner, which rounding may leave out, or in a plane in which
                         // the ray lies.

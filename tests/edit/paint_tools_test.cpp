@@ -271,20 +271,20 @@ ProjectionFaults faults_of(const voctree::VOctree& tree, const edit::Canvas& can
             const uint32_t margin = side < 40 ? 24 : 9;
             if (within < margin || within > 60 - margin || (y > 100 && y < 140)) continue;
             double transmittance = 1;
-            for (const reference::Segment& segment :
+            for (const reference::LeafInterval& interval :
                  reference::intersect(tree, ray_in_performer(fine, x, y, standing.world_from_performer))) {
-                const double density = slices[segment.leaf].sigma;
+                const double density = slices[interval.leaf].sigma;
                 if (density <= 0) continue;
                 ++faults.seen;
                 if (column == 1) {
-                    faults.wrong += alpha[segment.leaf] > 0.5f;
+                    faults.wrong += alpha[interval.leaf] > 0.5f;
                 } else {
-                    faults.holes += alpha[segment.leaf] < 0.5f;
+                    faults.holes += alpha[interval.leaf] < 0.5f;
                     glm::vec3 want(column == 0, column == 2, column == 3);
                     if (y > 120) want = glm::vec3(1);
-                    faults.wrong += alpha[segment.leaf] > 0.5f && glm::distance(colour[segment.leaf], want) > 0.3f;
+                    faults.wrong += alpha[interval.leaf] > 0.5f && glm::distance(colour[interval.leaf], want) > 0.3f;
                 }
-                transmittance *= std::exp(-density * (segment.t_exit - segment.t_enter));
+                transmittance *= std::exp(-density * (interval.t_exit - interval.t_enter));
                 if (transmittance < 0.5) break;
             }
         }
@@ -391,10 +391,10 @@ double painted_part(const voctree::VOctree& tree, const stage::Camera& camera, g
     ray.direction = glm::dvec3(pick.direction);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 0);
     double transmittance = 1, part = 0;
-    for (const reference::Segment& segment : reference::intersect(tree, ray)) {
+    for (const reference::LeafInterval& interval : reference::intersect(tree, ray)) {
         const double through =
-            std::exp(-std::max(slices[segment.leaf].sigma, 0.0) * (segment.t_exit - segment.t_enter));
-        if (painted.contains(segment.leaf)) part += transmittance * (1 - through);
+            std::exp(-std::max(slices[interval.leaf].sigma, 0.0) * (interval.t_exit - interval.t_enter));
+        if (painted.contains(interval.leaf)) part += transmittance * (1 - through);
         transmittance *= through;
     }
     return transmittance < 1 ? part / (1 - transmittance) : 0;

@@ -52,8 +52,8 @@ Chain::Chain(const Scene& scene)
             const reference::Ray ray = ray_of(scene, scene.tiles[tile], lane);
             rays_.push_back({ray.direction, reference::intersect(scene.tree, ray)});
             if (scene.target[rays_.size() - 1].a < 0) continue;
-            for (const reference::Segment& segment : rays_.back().segments) {
-                std::vector<size_t>& tiles = tiles_of_leaf_[segment.leaf];
+            for (const reference::LeafInterval& interval : rays_.back().intervals) {
+                std::vector<size_t>& tiles = tiles_of_leaf_[interval.leaf];
                 if (tiles.empty() || tiles.back() != tile) tiles.push_back(tile);
             }
         }
@@ -76,11 +76,11 @@ void Chain::slice_rows() {
 
 std::vector<reference::Sample> Chain::samples(const PathRay& ray) const {
     std::vector<reference::Sample> result;
-    for (const reference::Segment& segment : ray.segments) {
-        const reference::LeafSlice& leaf = slices_[segment.leaf];
+    for (const reference::LeafInterval& interval : ray.intervals) {
+        const reference::LeafSlice& leaf = slices_[interval.leaf];
         if (leaf.sigma == 0) continue;
         result.push_back({leaf.sigma, reference::sample_colour(leaf, scene_.tree.hh_degree, ray.direction),
-                          segment.t_exit - segment.t_enter, 0});
+                          interval.t_exit - interval.t_enter, 0});
     }
     return result;
 }
@@ -88,11 +88,11 @@ std::vector<reference::Sample> Chain::samples(const PathRay& ray) const {
 // The point loss of a ray, with the current colours, but with blending weights by the first densities.
 double Chain::ray_point_loss(const PathRay& ray, glm::dvec4 truth) const {
     std::vector<reference::Sample> now;
-    for (const reference::Segment& segment : ray.segments)
-        if (first_sigmas_[segment.leaf] > 0)
-            now.push_back({first_sigmas_[segment.leaf],
-                           reference::sample_colour(slices_[segment.leaf], scene_.tree.hh_degree, ray.direction),
-                           segment.t_exit - segment.t_enter, 0});
+    for (const reference::LeafInterval& interval : ray.intervals)
+        if (first_sigmas_[interval.leaf] > 0)
+            now.push_back({first_sigmas_[interval.leaf],
+                           reference::sample_colour(slices_[interval.leaf], scene_.tree.hh_degree, ray.direction),
+                           interval.t_exit - interval.t_enter, 0});
     return reference::point_loss(now, glm::dvec3(truth), truth.a, static_cast<double>(scene_.stop));
 }
 
@@ -158,11 +158,11 @@ std::vector<uint32_t> Chain::seen_leaves() const {
     for (size_t i = 0; i < rays_.size(); ++i) {
         if (scene_.target[i].a < 0) continue;
         double transmittance = 1;
-        for (const reference::Segment& segment : rays_[i].segments) {
+        for (const reference::LeafInterval& interval : rays_[i].intervals) {
             if (transmittance < static_cast<double>(scene_.stop)) break;
-            const double sigma = slices_[segment.leaf].sigma;
-            transmittance *= std::exp(-sigma * (segment.t_exit - segment.t_enter));
-            if (sigma > 0) seen[segment.leaf] = true;
+            const double sigma = slices_[interval.leaf].sigma;
+            transmittance *= std::exp(-sigma * (interval.t_exit - interval.t_enter));
+            if (sigma > 0) seen[interval.leaf] = true;
         }
     }
     std::vector<uint32_t> leaves;

@@ -26,7 +26,7 @@ class Chain {
   private:
     struct PathRay {
         glm::dvec3 direction;
-        std::vector<reference::Segment> segments;
+        std::vector<reference::LeafInterval> intervals;
     };
     void slice_leaf(uint32_t leaf);
     void slice_rows();

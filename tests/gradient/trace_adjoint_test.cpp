@@ -60,7 +60,7 @@ struct LeafSums {
 void add_ray(const Scene& scene, const std::vector<reference::LeafSlice>& slices, const reference::Ray& ray,
              glm::dvec4 d_ray, LeafSums& sums) {
     const auto stop = static_cast<double>(scene.stop);
-    const std::vector<reference::Segment> segments = reference::intersect(scene.tree, ray);
+    const std::vector<reference::LeafInterval> intervals = reference::intersect(scene.tree, ray);
     const std::vector<reference::LeafSliceGradient> parts =
         reference::trace_adjoint(scene.tree, slices, ray, glm::dvec3(d_ray), d_ray.a, stop);
     for (size_t i = 0; i < parts.size(); ++i) {
@@ -68,18 +68,18 @@ void add_ray(const Scene& scene, const std::vector<reference::LeafSlice>& slices
         std::vector<double>& leaf = sums.gradients[part.leaf];
         leaf[0] += part.sigma;
         // |α ∂L/∂α| by the chain rule: ∂α/∂σ = δ (1 − α), where 1 − α is at least e⁻⁸, as in the shader
-        const double delta = segments[i].t_exit - segments[i].t_enter;
+        const double delta = intervals[i].t_exit - intervals[i].t_enter;
         const double clear = std::exp(-std::min(slices[part.leaf].sigma * delta, 8.0));
         leaf[1] += std::abs(part.sigma) * (1 - clear) / (delta * clear);
         for (uint32_t j = 0; j < sh_count(scene.tree.hh_degree); ++j)
             for (uint32_t c = 0; c < 3; ++c) leaf[2 + 3 * j + c] += part.k[c][j];
     }
     double transmittance = 1;
-    for (const reference::Segment& segment : segments) {
+    for (const reference::LeafInterval& interval : intervals) {
         if (transmittance < stop) break;
         const double behind =
-            transmittance * std::exp(-slices[segment.leaf].sigma * (segment.t_exit - segment.t_enter));
-        sums.max_weight[segment.leaf] = std::max(sums.max_weight[segment.leaf], transmittance - behind);
+            transmittance * std::exp(-slices[interval.leaf].sigma * (interval.t_exit - interval.t_enter));
+        sums.max_weight[interval.leaf] = std::max(sums.max_weight[interval.leaf], transmittance - behind);
         transmittance = behind;
     }
 }

@@ -78,7 +78,7 @@ Inspected inspect(const voctree::VOctree& tree, const std::vector<LeafSlice>& sl
                   bool pruned, const InspectedRay& of) {
     Inspected result;
     double transmittance = 1, last = INFINITY;
-    for (const Interval& interval : intersect(tree, of.ray)) {
+    for (const LeafInterval& interval : intersect(tree, of.ray)) {
         const double sigma = slices[interval.leaf].sigma;
         if (pruned && sigma <= 0) continue;
         ++result.leaves;

@@ -9,7 +9,7 @@ std::optional<PickResult> pick(const voctree::VOctree& tree, const std::vector<L
                                double alpha) {
     double transmittance = 1;
     glm::dvec3 colour(0);
-    for (const Interval& interval : intersect(tree, ray)) {
+    for (const LeafInterval& interval : intersect(tree, ray)) {
         const double sigma = slices[interval.leaf].sigma;
         const double after = transmittance * std::exp(-sigma * (interval.t_exit - interval.t_enter));
         colour += (transmittance - std::max(after, 1 - alpha)) *

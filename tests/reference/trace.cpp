@@ -66,7 +66,7 @@ glm::uvec3 offset_of(uint32_t bits) {
 
 // `corner` is the node's position among the nodes of its level, of which the box has `side` along each axis.
 void visit_node(const voctree::VOctree& tree, const TreeRay& ray, uint32_t node_index, glm::uvec3 corner, double side,
-                std::vector<Interval>& intervals) {
+                std::vector<LeafInterval>& intervals) {
     for (uint32_t octant = 0; octant < 8; ++octant) {
         const glm::uvec3 octant_cell = corner * 2u + offset_of(octant);
         const Interval in_octant = box_interval(ray, octant_cell, octant_cell + 1u, side * 2);
@@ -90,7 +90,7 @@ void visit_node(const voctree::VOctree& tree, const TreeRay& ray, uint32_t node_
     }
 }
 
-Sample sample_of(const Interval& interval, double sigma, glm::dvec3 colour) {
+Sample sample_of(const LeafInterval& interval, double sigma, glm::dvec3 colour) {
     return {sigma, colour, interval.t_exit - interval.t_enter, 0.5 * (interval.t_enter + interval.t_exit)};
 }
 
@@ -105,18 +105,18 @@ Interval intersect_box(const voctree::VOctree& tree, const Ray& ray, glm::uvec3 
     return box_interval(in_tree(tree, ray), first, end, side);
 }
 
-std::vector<Interval> intersect(const voctree::VOctree& tree, const Ray& ray) {
-    std::vector<Interval> intervals;
+std::vector<LeafInterval> intersect(const voctree::VOctree& tree, const Ray& ray) {
+    std::vector<LeafInterval> intervals;
     if (tree.nodes.empty()) return intervals;
     visit_node(tree, in_tree(tree, ray), 0, glm::uvec3(0), 1, intervals);
     std::sort(intervals.begin(), intervals.end(),
-              [](const Interval& a, const Interval& b) { return a.t_enter < b.t_enter; });
+              [](const LeafInterval& a, const LeafInterval& b) { return a.t_enter < b.t_enter; });
     return intervals;
 }
 
 std::vector<Sample> ray_samples(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray) {
     std::vector<Sample> samples;
-    for (const Interval& interval : intersect(tree, ray)) {
+    for (const LeafInterval& interval : intersect(tree, ray)) {
         const LeafSlice& leaf = slices[interval.leaf];
         samples.push_back(sample_of(interval, leaf.sigma, sample_colour(leaf, tree.hh_degree, ray.direction)));
     }
@@ -127,7 +127,7 @@ std::vector<Sample> ray_samples_shaded(const voctree::VOctree& tree, const std::
                                        const std::vector<voctree::LeafPosition>& positions, glm::dvec3 eye,
                                        const Ray& ray) {
     std::vector<Sample> samples;
-    for (const Interval& interval : intersect(tree, ray)) {
+    for (const LeafInterval& interval : intersect(tree, ray)) {
         const voctree::LeafPosition& position = positions[interval.leaf];
         const glm::dvec3 centre_tree =
             (glm::dvec3(position.x, position.y, position.z) + 0.5) / std::exp2(position.depth);
@@ -144,7 +144,7 @@ std::vector<Sample> ray_samples_direct(const voctree::VOctree& tree, double fram
     const std::vector<double> row_a = basis_row(tree.sigma_basis, tree.bases, rows);
     const std::vector<double> row_b = basis_row(tree.gamma_basis, tree.bases, rows);
     std::vector<Sample> samples;
-    for (const Interval& interval : intersect(tree, ray)) {
+    for (const LeafInterval& interval : intersect(tree, ray)) {
         const LeafWeights weights = leaf_weights(tree, interval.leaf);
         const LeafSlice leaf = slice(weights, row_a, row_b, tree.hh_degree);
         const glm::dvec3 colour = sample_colour_direct(weights, leaf.gamma, tree.hh_degree, ray.direction);
@@ -165,7 +165,7 @@ RayResult trace_direct(const voctree::VOctree& tree, double frame, const Ray& ra
 std::vector<LeafSliceGradient> trace_adjoint(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices,
                                              const Ray& ray, glm::dvec3 d_colour, double d_alpha,
                                              double stop_transmittance) {
-    const std::vector<Interval> intervals = intersect(tree, ray);
+    const std::vector<LeafInterval> intervals = intersect(tree, ray);
     const std::vector<SampleGradient> by_sample =
         composite_adjoint(ray_samples(tree, slices, ray), d_colour, d_alpha, stop_transmittance);
     std::vector<LeafSliceGradient> gradient;

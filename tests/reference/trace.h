@@ -16,7 +16,7 @@ struct Ray {
 };
 
 // The part of a ray inside one leaf, in metres along the ray.
-struct Interval {
+struct LeafInterval {
     uint32_t leaf = 0;
     double t_enter = 0;
     double t_exit = 0;
@@ -34,7 +34,7 @@ Interval intersect_box(const voctree::VOctree& tree, const Ray& ray, glm::uvec3 
 
 // All intervals of positive length, near to far. A leaf gives at most one, however many cells of its node it fills.
 // Neighbouring intervals have exactly the same number at their common border.
-std::vector<Interval> intersect(const voctree::VOctree& tree, const Ray& ray);
+std::vector<LeafInterval> intersect(const voctree::VOctree& tree, const Ray& ray);
 
 // The samples of a ray at one time, from slices (by leaf index) or from all weights.
 std::vector<Sample> ray_samples(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray);

@@ -72,9 +72,9 @@ TEST_F(SliceTreeTest, NodesWithoutRoomAreDeadAndCounted) {
 glm::dvec2 met_range(const voctree::VOctree& tree, const std::vector<reference::LeafSlice>& slices,
                      const reference::Ray& ray) {
     glm::dvec2 range(1e30, -1e30);
-    for (const reference::Segment& segment : reference::intersect(tree, ray)) {
-        if (!(slices[segment.leaf].sigma > 0)) continue;
-        range = {std::min(range.x, segment.t_enter), std::max(range.y, segment.t_exit)};
+    for (const reference::LeafInterval& interval : reference::intersect(tree, ray)) {
+        if (!(slices[interval.leaf].sigma > 0)) continue;
+        range = {std::min(range.x, interval.t_enter), std::max(range.y, interval.t_exit)};
     }
     return range;
 }

@@ -28,6 +28,21 @@ size_t count_of(const std::string& text, const std::string& part) {
     return count;
 }
 
+constexpr media::ImageSize kShownSize{64, 48};
+
+// A frame's image as `neuvv render --frames` draws it.
+media::Image shown(const gpu::Device& device, const voctree::VOctree& tree) {
+    const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device, field, {kShownSize.width, kShownSize.height, 2});
+    render::FrameSettings settings;
+    settings.width = kShownSize.width;
+    settings.height = kShownSize.height;
+    settings.samples = 2;
+    settings.mode = render::TraceMode::kPlay;
+    const auto path = tools::orbit_path(voctree::occupied_box(tree), {{0, 0}, kOwnFps, kOwnFps}, kShownSize);
+    return renderer.render(path.front().camera, settings);
+}
+
 TEST_F(CliGpu, RenderWritesNumberedImages) {
     const ProgramResult result =
         run_neuvv({"render", "--overwrite", scene, "-o", file("new/out_%03d.png"), "--size", "40x24", "--json"});

@@ -42,7 +42,7 @@ void add_layers(media::ImageSink& sink, uint32_t i, const ExrLayers& layers, med
         return;
     }
     render::ImageLayers made(camera, settings.samples, names, set, {layers.ids, layers.deep}, settings.stop);
-    renderer.read_segments([&](glm::uvec2 ray, auto segments) { made.add(ray, segments); });
+    renderer.read_intervals([&](glm::uvec2 ray, auto intervals) { made.add(ray, intervals); });
     made.finish();
     if (layers.ids) linear.ids = std::move(made.ids);
     if (layers.deep)
