@@ -1,8 +1,8 @@
 // What panels and tools work with. They change the stage only through Editor::edit and Editor::drag, so that every
 // change can be undone. What they need from the frame loop (viewer.cpp) they write into FrameRequests.
 //
-// The viewer has one context, which lives as long as the viewer does. Jobs and tasks of the render thread may keep its
-// address.
+// The viewer has one context (editing_session.h), which lives as long as the viewer does. Jobs and tasks of the render
+// thread may keep its address.
 #pragma once
 
 #include <algorithm>
@@ -17,6 +17,8 @@
 #include "tools/viewer/view_state.h"
 
 namespace neuvv::viewer {
+
+constexpr double kStillAfter_s = 0.12;
 
 // What panels and tools request of the frame loop.
 struct FrameRequests {
@@ -45,6 +47,8 @@ struct Context {
     void redraw(int frames = 3) const { requests.frames = std::max(requests.frames, frames); }
     // To be called while something in the image moves: images then come soon, with fewer rays where time is short.
     void mark_motion() const { requests.last_motion_s = frame.now_s; }
+    // The eye flies, or something moved a moment ago.
+    bool in_motion() const { return requests.eye || frame.now_s - requests.last_motion_s < kStillAfter_s; }
     // Lets the eye fly to `target`.
     void go_to(const Eye& target) const { requests.eye = target; }
     // The stage that is drawn, which may be some edits behind the document. Null where it has another number of nodes

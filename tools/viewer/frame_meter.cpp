@@ -17,18 +17,17 @@ void FrameMeter::request(const Ids& requested, double event_s) {
     requests_.push_back({requested, event_s});
 }
 
-void FrameMeter::displayed(const Ids& ids, double now_s) {
-    while (!requests_.empty() && requests_.front().ids.view <= ids.view &&
-           requests_.front().ids.document <= ids.document) {
+void FrameMeter::end_frame(const editor::RenderThreadState& rendered, double begin_s, double now_s) {
+    const editor::DisplayedImage& displayed = rendered.displayed;
+    frame_ms_ = 1000 * (now_s - begin_s);
+    if (displayed.view > 0) max_frame_ms_ = std::max(max_frame_ms_, frame_ms_);
+    if (!rendered.loading.empty() || !rendered.problem.empty()) requests_.clear();
+    while (!requests_.empty() && requests_.front().ids.view <= displayed.view &&
+           requests_.front().ids.document <= displayed.stage) {
         latency_ms_ = 1000 * (now_s - requests_.front().event_s);
         max_latency_ms_ = std::max(max_latency_ms_, latency_ms_);
         requests_.pop_front();
     }
-}
-
-void FrameMeter::add_frame(double seconds, bool counts) {
-    frame_ms_ = 1000 * seconds;
-    if (counts) max_frame_ms_ = std::max(max_frame_ms_, frame_ms_);
 }
 
 }  // namespace neuvv::viewer

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <deque>
 
+#include "editor/draw/render_thread.h"
+
 namespace neuvv::viewer {
 
 // Times in seconds, as FrameInput::now_s.
@@ -20,17 +22,14 @@ class FrameMeter {
     // An event at `event_s` had the effect that this view and document were requested. The latency of the event ends
     // when they, or newer ones, are displayed.
     void request(const Ids& requested, double event_s);
-    // Drops the requests that wait: the latency is not measured while files are read.
-    void forget_requests() { requests_.clear(); }
-    // To be called at the end of each frame, with the view and the document that it displays.
-    void displayed(const Ids& ids, double now_s);
-    // How many seconds the window's thread needed for a frame. `counts`: the frame counts for max_frame_ms().
-    void add_frame(double seconds, bool counts);
+    // To be called at the end of each frame, with what it displayed and when it began. Requests that wait are dropped
+    // while files are read: the latency is not measured then.
+    void end_frame(const editor::RenderThreadState& rendered, double begin_s, double now_s);
 
     double images_per_second() const { return images_per_second_; }  // the mean over the last second
     double latency_ms() const { return latency_ms_; }                // of the last event whose effect is displayed
     double max_latency_ms() const { return max_latency_ms_; }
-    double frame_ms() const { return frame_ms_; }
+    double frame_ms() const { return frame_ms_; }  // that the window's thread needed for the last frame
     double max_frame_ms() const { return max_frame_ms_; }
 
   private:

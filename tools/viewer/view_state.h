@@ -11,6 +11,7 @@
 
 namespace neuvv::viewer {
 
+struct Preferences;
 struct ToolMode;
 
 constexpr const char* kLayerNames[] = {"colour", "alpha", "depth", "leaf level", "cost per ray"};  // by render::Show
@@ -64,5 +65,9 @@ struct ViewState {
             muted.insert(performer);
     }
 };
+
+// Takes over what the preferences keep of the view, and writes it back there.
+void apply_preferences(ViewState& view, const Preferences& preferences);
+void note_preferences(const ViewState& view, Preferences& preferences);
 
 }  // namespace neuvv::viewer

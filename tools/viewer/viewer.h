@@ -1,4 +1,4 @@
-// The viewer: a window that shows a stage and edits it.
+// The viewer: a window that shows a stage and edits it. It owns the parts below and runs the frame loop over them.
 //
 // A frame, in the order of Viewer::frame(): the input is read into a FrameInput; the clock moves on; keys act; panels
 // and tools are drawn, and change the document, the view state and their own state; what changed is sent to the render
@@ -6,25 +6,12 @@
 // (context.h) and take whatever else they use as arguments.
 #pragma once
 
-#include <chrono>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "base/platform.h"
-#include "editor/draw/device_losses.h"
-#include "editor/shader_watch.h"
-#include "editor/sound_player.h"
-#include "editor/waveforms.h"
-#include "tools/viewer/context.h"
-#include "tools/viewer/exporter.h"
-#include "tools/viewer/files.h"
-#include "tools/viewer/frame_meter.h"
-#include "tools/viewer/panels/panels.h"
-#include "tools/viewer/screen.h"
-#include "tools/viewer/screenshot.h"
-#include "tools/viewer/timeline/timeline_state.h"
-#include "tools/viewer/tools/tools.h"
+#include "tools/viewer/display.h"
+#include "tools/viewer/editing_session.h"
+#include "tools/viewer/eye_motion.h"
+#include "tools/viewer/image_requests.h"
+#include "tools/viewer/stage_sound.h"
+#include "tools/viewer/tasks.h"
 
 namespace neuvv::viewer {
 
@@ -53,76 +40,25 @@ class Viewer {
   private:
     void recover_device(std::string why);
     void round();
+    void ask_to_close();
     void wait();
-    void frame();
     void read_input();
-    void take_notices();
-    void receive_stage();
-    void set_title();
+    void frame();
     void apply_ui_scale();
-    void handle_keys();
-    void handle_key(const ui::KeyPress& press);
-    void handle_control_key(const ui::KeyPress& press);
-    void move_eye();
-    void play_sound();
     void draw_panels();
-    void request_document();
-    void request_view();
-    void meter_latency(const FrameMeter::Ids& before);
     void write_report();
     void store_preferences();
-    double seconds() const;
-    bool in_motion() const;
-    bool image_is_sharp() const;
-    FrameMeter::Ids requested() const { return {view_request_ ? view_request_->id : 0, requested_document_}; }
 
     std::string preferences_message_;
     Preferences preferences_;
-    ui::Window window_;
-    std::string device_choice_;
-    gpu::Validation validation_;
-    // These two are made anew, in the same place, where the device is lost.
-    std::optional<gpu::Device> device_;
-    std::optional<Screen> screen_;
-    editor::DeviceLosses losses_;
-    Report report_;
-    JobQueue jobs_;
-    editor::RenderThread render_thread_;
-    editor::Editor editor_;
-
-    FrameInput input_;
-    ViewState view_;
-    FrameRequests requests_;
-    Context context_{editor_, jobs_, render_thread_, report_, input_, view_, requests_};
-
-    Exporter exporter_;
-    VerbTask verb_{device_choice_, program_file()};
-    Files files_;
-    Screenshots screenshots_;
-    editor::ShaderWatch shader_watch_;
-    PaintTool paint_;
-    Tools tools_{paint_};
-    StageTree tree_;
-    PropertiesPanel properties_;
-    TimelineState timeline_;
-    Coaching coaching_;
-    editor::SoundPlayer sound_player_;
-    editor::Waveforms waveforms_{ui::Window::wake};
-    std::vector<editor::Notice> notices_;
-    FrameMeter meter_;
-
-    std::chrono::steady_clock::time_point begin_;
-    std::optional<editor::ViewRequest> view_request_;  // the last one that was sent to the render thread
-    uint64_t requested_document_ = 0;                  // the Editor::id() of the last document that was sent there
-    struct Flight {
-        Eye from, to;
-        double begin_s = 0;
-    };
-    std::optional<Flight> flight_;  // of the eye; nullopt: it does not fly
-    std::optional<Eye> path_eye_;   // the eye that the camera path gave in the previous frame
-    std::string title_;
+    Display display_;
+    EditingSession session_;
+    ImageRequests images_;
+    EyeMotion eye_motion_;
+    StageSound sound_;
+    Panels panels_;
+    Tasks tasks_;
     bool may_close_ = false;  // unsaved edits and a verb that runs have been asked about
-    std::vector<std::string> validation_messages_;
 };
 
 }  // namespace neuvv::viewer

@@ -12,6 +12,8 @@ namespace neuvv::viewer {
 
 namespace {
 
+constexpr double kNotice_s = 6;
+constexpr size_t kMaxNotices = 4;
 constexpr std::chrono::milliseconds kWait{500};  // of an image, until it is said
 
 void line(unsigned colour, const char* icon, const std::string& text) {
@@ -23,6 +25,19 @@ void line(unsigned colour, const char* icon, const std::string& text) {
 }
 
 }  // namespace
+
+void Notices::take(const Context& context) {
+    const double now_s = context.frame.now_s;
+    for (editor::Notice& notice : context.editor.take_notices()) {
+        notice.until_s = now_s + kNotice_s;
+        all_.push_back(std::move(notice));
+        context.redraw();
+    }
+    std::erase_if(all_, [&](const editor::Notice& notice) {
+        return notice.until_s < now_s && (context.editor.is_open() || !notice.error);
+    });
+    if (all_.size() > kMaxNotices) all_.erase(all_.begin(), all_.end() - static_cast<std::ptrdiff_t>(kMaxNotices));
+}
 
 void notices_panel(Context& context, std::span<const editor::Notice> notices) {
     const editor::RenderThreadState& rendered = context.frame.rendered;

@@ -85,6 +85,17 @@ void statistics_panel(Context& context, const gpu::Device& device, const FrameMe
 void help_panel(Context& context);
 // What the program is, the guide and the licence, each in a window of its own where it is open.
 void about_panels(Context& context, const gpu::Device& device);
+// The notices that are displayed: each for some seconds.
+class Notices {
+  public:
+    // To be called once a frame: takes those of the editor. While nothing is open, errors stay: they say why nothing
+    // could be opened.
+    void take(const Context& context);
+    std::span<const editor::Notice> all() const { return all_; }
+
+  private:
+    std::vector<editor::Notice> all_;
+};
 // Notices, jobs that are under way, and problems of the render thread, at the bottom of the image.
 void notices_panel(Context& context, std::span<const editor::Notice> notices);
 
