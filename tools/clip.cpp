@@ -54,9 +54,13 @@ std::vector<Piece> pieces_of(const voctree::ClipIndex& index, uint32_t begin, ui
     return pieces;
 }
 
+bool is_nvv(const Piece& piece) {
+    return voctree::kind_of(piece.source.file) == voctree::ClipKind::kNvv;
+}
+
 // Whole .nvv files are copied byte by byte.
 void write_piece(const Piece& piece, const std::filesystem::path& output) {
-    if (piece.is_whole() && !voctree::is_plenoctree(piece.source.file)) {
+    if (piece.is_whole() && is_nvv(piece)) {
         std::error_code error;
         std::filesystem::copy_file(piece.source.file, output, error);
         if (error) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", output.string(), error.message()));
@@ -98,7 +102,7 @@ void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& 
         if (!std::filesystem::exists(piece.source.file, ignored))
             throw InputError(piece.source.file.string(), "", "is not there",
                              "train the clip to its end: the command that began it, with --resume");
-        if (!voctree::is_plenoctree(piece.source.file)) voctree::read_segment_header(piece.source);
+        if (is_nvv(piece)) voctree::read_segment_header(piece.source);
     }
     expect_one_frame(pieces);
     catch_stop_signals();

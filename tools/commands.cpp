@@ -54,7 +54,7 @@ void add_up_option(Command verb, std::optional<voctree::UpAxis>& up) {
 }
 
 voctree::UpAxis up_of(const std::filesystem::path& clip, std::optional<voctree::UpAxis> up) {
-    if (up && !voctree::is_plenoctree(clip))
+    if (up && voctree::kind_of(clip) != voctree::ClipKind::kPlenoctree)
         throw InputError("--up", clip.string(), "is no PlenOctree, and its y is up", "leave it out");
     return up.value_or(voctree::UpAxis::kZ);
 }

@@ -7,7 +7,6 @@
 #include "base/error.h"
 #include "base/formats/json.h"
 #include "editor/open_file.h"
-#include "stream/nvs_reader.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/publish/stream_info.h"
@@ -185,6 +184,17 @@ SegmentProblems print_segments(const InfoOptions& options) {
     return problems;
 }
 
+void print_file(const InfoOptions& options, const voctree::NvvSummary& summary) {
+    if (options.check && is_nvv(summary)) {  // a PlenOctree has been read whole already
+        voctree::read_nvv_coarse(options.file);
+        voctree::read_nvv(options.file);
+    }
+    if (options.json)
+        tell("{}", json_text(json_of(options, summary)));
+    else
+        print(options, summary);
+}
+
 void run(const InfoOptions& options, const CommonOptions& common) {
     if (editor::has_stage_ending(options.file)) {
         if (options.check)
@@ -196,22 +206,19 @@ void run(const InfoOptions& options, const CommonOptions& common) {
         return print_stage_info(stage, common);
     }
     if (options.memory) throw InputError("--memory", options.file, "is for stages", "leave it out");
-    if (stream::is_stream(options.file)) return print_stream_info(options.file, options.json, options.check);
-    if (voctree::is_segmented(options.file)) {
-        const SegmentProblems problems = print_segments(options);
-        if (options.check) problems.expect_none(options.file);
-        return;
+    switch (voctree::kind_of(options.file)) {
+        case voctree::ClipKind::kStream:
+            return print_stream_info(options.file, options.json, options.check);
+        case voctree::ClipKind::kSegments: {
+            const SegmentProblems problems = print_segments(options);
+            if (options.check) problems.expect_none(options.file);
+            return;
+        }
+        case voctree::ClipKind::kPlenoctree:
+            return print_file(options, summary_of_plenoctree(options.file));
+        case voctree::ClipKind::kNvv:
+            print_file(options, voctree::summarise_nvv(options.file));
     }
-    const voctree::NvvSummary summary = voctree::is_plenoctree(options.file) ? summary_of_plenoctree(options.file)
-                                                                             : voctree::summarise_nvv(options.file);
-    if (options.check && is_nvv(summary)) {  // a PlenOctree has been read whole already
-        voctree::read_nvv_coarse(options.file);
-        voctree::read_nvv(options.file);
-    }
-    if (options.json)
-        tell("{}", json_text(json_of(options, summary)));
-    else
-        print(options, summary);
 }
 
 }  // namespace

@@ -171,10 +171,10 @@ TEST_F(PlenoctreeTest, OldFilesNameNoFormat) {
 TEST_F(PlenoctreeTest, IsAClipOfOneFrame) {
     write_npz(file, random_n3tree(9, true, 7).arrays());
     const voctree::VOctree tree = voctree::read_plenoctree(file);
-    EXPECT_TRUE(voctree::is_plenoctree(file));
+    EXPECT_EQ(voctree::kind_of(file), voctree::ClipKind::kPlenoctree);
     EXPECT_EQ(voctree::read_clip(file).weights, tree.weights);
     voctree::write_nvv(folder.path / "tree.nvv", tree);
-    EXPECT_FALSE(voctree::is_plenoctree(folder.path / "tree.nvv"));
+    EXPECT_EQ(voctree::kind_of(folder.path / "tree.nvv"), voctree::ClipKind::kNvv);
     EXPECT_EQ(voctree::read_clip(folder.path / "tree.nvv").leaf_count, tree.leaf_count);
     for (const std::filesystem::path& path : {file, folder.path / "tree.nvv"}) {
         const voctree::ClipHeader header = voctree::read_clip_header(path);

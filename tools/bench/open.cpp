@@ -193,7 +193,7 @@ void write_synthetic(const OpenOptions& options) {
 }
 
 bool has_coarse_tree(const std::string& scene) {
-    if (voctree::is_plenoctree(scene)) return false;
+    if (voctree::kind_of(scene) != voctree::ClipKind::kNvv) return false;
     const voctree::NvvSummary summary = voctree::summarise_nvv(scene);
     return summary.chunks.size() > 1 && summary.chunks[1].name == "hEAD";
 }
@@ -205,7 +205,7 @@ void run_open(const OpenOptions& options, const tools::CommonOptions& common) {
     const bool has_coarse = has_coarse_tree(options.scene);
     const gpu::Device device(common.device);
     std::optional<tools::ViewStep> view;
-    OpenResult result{std::filesystem::file_size(options.scene), {}, {}};
+    OpenResult result;
     if (has_coarse)
         result.first = open(
             device, [&] { return *voctree::read_nvv_coarse(options.scene); }, view, size);
@@ -215,6 +215,7 @@ void run_open(const OpenOptions& options, const tools::CommonOptions& common) {
         if (result.first) media::write_png(std::filesystem::path(options.images) / "coarse.png", result.first->image);
         media::write_png(std::filesystem::path(options.images) / "whole.png", result.whole.image);
     }
+    result.file_bytes = std::filesystem::file_size(options.scene);
     report(options, device, json_of(result), [&] { print(result, device, options); });
 }
 

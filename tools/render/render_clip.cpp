@@ -317,9 +317,8 @@ void expect_no_stage_options(const RenderOptions& options) {
 }  // namespace
 
 RenderTotals render_clip(const RenderOptions& options, const CommonOptions& common) {
-    if (std::filesystem::exists(options.scene) && !voctree::is_segmented(options.scene) &&
-        voctree::content_of(options.scene) == voctree::FileContent::kOther && !voctree::is_plenoctree(options.scene) &&
-        !stream::is_stream(options.scene))
+    if (std::filesystem::exists(options.scene) && voctree::kind_of(options.scene) == voctree::ClipKind::kNvv &&
+        voctree::content_of(options.scene) == voctree::FileContent::kOther)
         throw InputError(options.scene, "", "is neither a clip nor a stage",
                          "name a .nvv of `neuvv train`, a .nvs of `neuvv publish`, the .npz of a PlenOctree, or a "
                          ".gltf or .glb of `neuvv stage`");

@@ -14,17 +14,10 @@
 
 namespace neuvv::voctree {
 
-bool has_clip_ending(const std::filesystem::path& path) {
-    return path.extension() == ".nvv" || path.extension() == ".npz" || path.extension() == ".nvs";
-}
+namespace {
 
-void expect_no_stream(const std::filesystem::path& path) {
-    if (stream::is_stream(path))
-        throw InputError(path.string(), "", "is a stream, and this needs the clip that it was made of",
-                         "name that .nvv");
-}
-
-bool is_plenoctree(const std::filesystem::path& path) {
+// Among clips, only PlenOctrees are zip files.
+bool is_zip(const std::filesystem::path& path) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) return false;
     char magic[4] = {};
@@ -32,12 +25,40 @@ bool is_plenoctree(const std::filesystem::path& path) {
     return std::memcmp(magic, "PK\3\4", sizeof(magic)) == 0;
 }
 
+[[noreturn]] void refuse_stream(const std::filesystem::path& path) {
+    throw InputError(path.string(), "", "is a stream, and this needs the clip that it was made of", "name that .nvv");
+}
+
+}  // namespace
+
+ClipKind kind_of(const std::filesystem::path& path) {
+    if (stream::is_stream(path)) return ClipKind::kStream;
+    if (is_segmented(path)) return ClipKind::kSegments;
+    return is_zip(path) ? ClipKind::kPlenoctree : ClipKind::kNvv;
+}
+
+bool has_clip_ending(const std::filesystem::path& path) {
+    return path.extension() == ".nvv" || path.extension() == ".npz" || path.extension() == ".nvs";
+}
+
+void expect_no_stream(const std::filesystem::path& path) {
+    if (kind_of(path) == ClipKind::kStream) refuse_stream(path);
+}
+
 VOctree read_clip(const std::filesystem::path& path, PlenoctreeColours colours, UpAxis up) {
-    if (is_segmented(path))
-        throw InputError(path.string(), "", "is a clip in segments, which this cannot take as a whole",
-                         fmt::format("name one of its segments, such as {}", (path / segment_file_name(0)).string()));
-    expect_no_stream(path);
-    return is_plenoctree(path) ? read_plenoctree(path, colours, up) : read_nvv(path);
+    switch (kind_of(path)) {
+        case ClipKind::kSegments:
+            throw InputError(
+                path.string(), "", "is a clip in segments, which this cannot take as a whole",
+                fmt::format("name one of its segments, such as {}", (path / segment_file_name(0)).string()));
+        case ClipKind::kStream:
+            refuse_stream(path);
+        case ClipKind::kPlenoctree:
+            return read_plenoctree(path, colours, up);
+        case ClipKind::kNvv:
+            break;
+    }
+    return read_nvv(path);
 }
 
 namespace {
@@ -128,10 +149,16 @@ ClipHeader read_segmented_header(const std::filesystem::path& path) {
 }  // namespace
 
 ClipHeader read_clip_header(const std::filesystem::path& path, UpAxis up) {
-    if (is_segmented(path) || stream::is_stream(path)) return read_segmented_header(path);
-    if (is_plenoctree(path)) {
-        const auto [box_min, box_size] = read_plenoctree_box(path, up);
-        return {1, VOctree{}.fps, box_min, box_size};
+    switch (kind_of(path)) {
+        case ClipKind::kSegments:
+        case ClipKind::kStream:
+            return read_segmented_header(path);
+        case ClipKind::kPlenoctree: {
+            const auto [box_min, box_size] = read_plenoctree_box(path, up);
+            return {1, VOctree{}.fps, box_min, box_size};
+        }
+        case ClipKind::kNvv:
+            break;
     }
     const NvvHeader header = summarise_nvv(path).header;
     return {header.frames, header.fps, header.box_min, header.box_size};

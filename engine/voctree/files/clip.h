@@ -1,5 +1,4 @@
-// Clips that can be played: .nvv files, streams (.nvs), and PlenOctrees (.npz) as clips of one frame. The first bytes
-// of a file decide which it is.
+// Clips that can be played, of all kinds.
 #pragma once
 
 #include <filesystem>
@@ -11,6 +10,20 @@
 #include "voctree/voctree.h"
 
 namespace neuvv::voctree {
+
+enum class ClipKind {
+    kNvv,         // a .nvv
+    kSegments,    // a folder of them (clip_index.h)
+    kStream,      // a .nvs, or the address of one
+    kPlenoctree,  // a .npz, as a clip of one frame
+};
+
+// The kind that a file's first bytes tell, or a folder's clip.json. What is of no other kind, or cannot be read, counts
+// as a .nvv, whose reader says what is wrong with it.
+ClipKind kind_of(const std::filesystem::path& path);
+
+// Whether the path ends as files of these kinds do: with ".nvv", ".nvs" or ".npz".
+bool has_clip_ending(const std::filesystem::path& path);
 
 // Reads a clip that is one file. Throws InputError where read_nvv or read_plenoctree does, and for a segmented clip
 // (clip_index.h) and a stream, whose segments are read one by one.
@@ -41,11 +54,5 @@ ClipHeader read_clip_header(const std::filesystem::path& path, UpAxis up = UpAxi
 
 // Throws InputError where the file is a stream.
 void expect_no_stream(const std::filesystem::path& path);
-
-// Whether the path ends with ".nvv", ".nvs" or ".npz".
-bool has_clip_ending(const std::filesystem::path& path);
-
-// Whether the file is a zip file, as only PlenOctrees are among clips. False where it cannot be read.
-bool is_plenoctree(const std::filesystem::path& path);
 
 }  // namespace neuvv::voctree

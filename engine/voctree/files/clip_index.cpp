@@ -86,8 +86,9 @@ FileStamp stamp_of(const ClipSegment& segment) {
 }
 
 ClipIndex read_clip_index(const std::filesystem::path& clip, UpAxis up) {
-    if (stream::is_stream(clip)) return index_of_stream(clip);
-    if (!is_segmented(clip)) {
+    const ClipKind kind = kind_of(clip);
+    if (kind == ClipKind::kStream) return index_of_stream(clip);
+    if (kind != ClipKind::kSegments) {
         const ClipHeader header = read_clip_header(clip, up);
         return {header.fps, {{clip, 0, header.frames, 0, nullptr, up}}};
     }

@@ -45,7 +45,7 @@ std::vector<ClipSegment> sample_of(const ClipIndex& clip) {
 
 // A tree of the segment with leaves where its own are, as little as has to be read.
 VOctree small_tree(const ClipSegment& segment) {
-    if (!segment.stream && !is_plenoctree(segment.file))
+    if (!segment.stream && kind_of(segment.file) == ClipKind::kNvv)
         if (std::optional<VOctree> coarse = read_nvv_coarse(segment.file)) return std::move(*coarse);
     return read_segment(segment, stream::kShape);
 }

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "voctree/files/chunk_file.h"
+#include "voctree/files/clip.h"
 #include "voctree/files/clip_index.h"
 
 namespace neuvv::voctree {
@@ -65,12 +66,13 @@ std::vector<NvvChunkView> ChunkOfFrame::views() const {
 }
 
 WorldFrame read_world_frame(const std::filesystem::path& clip) {
-    if (stream::is_stream(clip)) {
+    const ClipKind kind = kind_of(clip);
+    if (kind == ClipKind::kStream) {
         const WorldFrame world = frame_of_stream(read_clip_index(clip).segments[0].stream->index().capture);
         expect_sound(world, clip.string(), "header");
         return world;
     }
-    if (!is_segmented(clip)) return content_of(clip) == FileContent::kClip ? frame_in_file(clip) : WorldFrame{};
+    if (kind != ClipKind::kSegments) return content_of(clip) == FileContent::kClip ? frame_in_file(clip) : WorldFrame{};
     for (const ClipSegment& segment : read_clip_index(clip).segments)
         if (content_of(segment.file) == FileContent::kClip) return frame_in_file(segment.file);
     return {};
