@@ -21,6 +21,7 @@ layout(constant_id = 6) const uint kRayOutput = kOutputRay;
 layout(constant_id = 7) const bool kHalfWeights = false;
 layout(constant_id = 8) const bool kSrgbColours = false;
 layout(constant_id = 9) const bool kWeightsByAddress = false;
+#define OTHER_WALK
 const bool kFromRoot = kRestart, kCoalesce = true;
 const uint kSampleCost = kSampleAboveDescent;
 READ_ARRAY(uint, kTraceLinks, tree_links);

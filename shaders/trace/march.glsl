@@ -16,14 +16,18 @@
 // Positions are integers in finest cells, so the walk needs no epsilon: leaving a cell through one face fixes that axis
 // exactly, the other axes are clamped to the cell that was left. Bound by the dependent texel fetches of march_enter:
 // one, and three per node level below the top grid. Expects binding `tree_links`, `push.top` (a TopBox), and the
-// constants kNodeLevels and kTopLevels. Three more name what the walk does without, for comparison: kRestart keeps
-// nothing of the node over a step, kFromRoot descends from the root, not from the grid (both: the paper's walk),
-// kCoalesce unset steps over every empty cell alone.
+// constants kNodeLevels and kTopLevels. For comparison, an includer that defines OTHER_WALK has three more, which say
+// what its walk does without: kRestart keeps nothing of the node over a step, kFromRoot descends from the root, not
+// from the grid (both: the paper's walk), kCoalesce unset steps over every empty cell alone.
 #ifndef NEUVV_MARCH_GLSL
 #define NEUVV_MARCH_GLSL
 #include "arrays.glsl"
 
 #include "trace/node.glsl"
+
+#ifndef OTHER_WALK
+const bool kRestart = false, kFromRoot = false, kCoalesce = true;
+#endif
 
 // The includer's: the node, a child of one (with kLeafBit set a leaf), and whether the walk shall stop at this leaf.
 Node march_node(uint node);

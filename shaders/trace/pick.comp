@@ -14,7 +14,7 @@ layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
 layout(constant_id = 3) const bool kWithColour = false;
 layout(constant_id = 4) const bool kSrgbColours = false;  // summed as such, as trace_rays.glsl does
-const bool kShaded = false, kRestart = false, kFromRoot = false, kCoalesce = true, kColourless = !kWithColour;
+const bool kShaded = false, kColourless = !kWithColour;
 READ_ARRAY(uint, kPickLinks, tree_links);
 READ_ARRAY(uvec4, kPickNodes, nodes);
 READ_ARRAY(uvec2, kPickEntries, entries);

@@ -12,7 +12,6 @@ layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
 layout(constant_id = 3) const bool kSrgbColours = false;
-const bool kRestart = false, kFromRoot = false, kCoalesce = true;
 const uint kSampleCost = kSampleBelowDescent;
 READ_ARRAY(uint, kTraceLinks, tree_links);
 READ_ARRAY(uvec4, kTraceNodes, tree_nodes);

@@ -13,14 +13,23 @@
 #include "tools/view_path.h"
 #include "voctree/files/clip.h"
 
+#include "spirv/other_walks.comp.h"
+
 namespace neuvv::bench {
 
 namespace {
 
+// What a walk does without; the defaults are the renderer's walk.
+struct Walk {
+    bool restart = false;    // true: reads the node again at every step
+    bool from_root = false;  // true: descends from the root, not from the grid
+    bool coalesce = true;    // false: steps over each empty cell by itself
+};
+
 struct Step {
     std::string name;
     const char* key;  // in JSON
-    render::WalkSteps walk;
+    Walk walk;
     bool ranges = false;  // whether only tiles that may see a leaf are traced, between their bounds
     std::vector<double> ms = {};
 };
@@ -47,6 +56,20 @@ void list_every_tile(const gpu::Device& device, const render::TileRanges& ranges
     gpu::upload(device, ranges.count, &count, sizeof(count));
 }
 
+// render::TreeTracer with another walk, for one field whose colours are shaded.
+struct WalkTracer {
+    WalkTracer(const gpu::Device& device, const render::Field& field, const render::SliceTrees& trees,
+               const gpu::Buffer& shaded, const render::RayTarget& target, const Walk& walk)
+        : pass(device, "walk", device.buffers().fitting(other_walks_comp, other_walks_comp_storage),
+               {field.hh_degree, field.node_levels, field.top_levels, 1, kOutputLayer, 0,
+                field.has_srgb_colours ? 1u : 0u, walk.restart ? 1u : 0u, walk.from_root ? 1u : 0u,
+                walk.coalesce ? 1u : 0u}),
+          set(pass, gpu::joined({{kTraceNodes, &trees.nodes}, {kTraceEntries, &shaded}},
+                                render::instance_bindings(field, target, render::RayOutput::kLayer, nullptr))) {}
+    gpu::ComputePass pass;
+    gpu::BindingSet set;
+};
+
 // A shaded slice of the field, and what each walk needs to trace it.
 class WalkBench {
   public:
@@ -64,9 +87,7 @@ class WalkBench {
         const std::vector<Tile> tiles = render::tiles_of_image(0, size.width, size.height);
         std::copy(tiles.begin(), tiles.end(), target_.rays.tiles.as<Tile>());
         for (const Step& step : steps())
-            tracers_.push_back(std::make_unique<render::TreeTracer>(device, field_, trees_, shaded_, target_,
-                                                                    render::Shading::kPerLeaf,
-                                                                    render::RayOutput::kLayer, nullptr, step.walk));
+            tracers_.push_back(std::make_unique<WalkTracer>(device, field_, trees_, shaded_, target_, step.walk));
     }
 
     // Adds the GPU milliseconds of the trace of each step for one view.
@@ -90,19 +111,26 @@ class WalkBench {
     uint64_t rays() const { return uint64_t{layout_.width} * layout_.height; }
 
   private:
-    double trace(const render::TreeTracer& tracer, bool ranged) {
+    double trace(const WalkTracer& tracer, bool ranged) {
         const auto finest = static_cast<uint32_t>(field_.level_begin.size()) - 2;
         commands_.begin();
         render::record_clear(commands_, target_.rays, layout_.ray_tiles());
         render::record_clear_coverage(commands_, target_.ranges);
         if (ranged) render::record_tile_ranges(commands_, ranger_, 0, 1, finest, layout_);
-        render::record_trace_tree(commands_, tracer, 0, {.first_camera = 1});
+        record_walk(tracer);
         commands_.submit();
         commands_.wait();
         double sum = 0;
         for (const gpu::PassTime& pass : commands_.pass_times())
             if (pass.name == "trace" || pass.name == "tile ranges") sum += pass.milliseconds;
         return sum;
+    }
+
+    void record_walk(const WalkTracer& tracer) {
+        const gpu::PassScope scope(commands_, "trace");
+        gpu::dispatch_indirect(commands_, tracer.pass, tracer.set, target_.ranges.count, 0,
+                               render::tree_push(field_, trees_, 0, {.first_camera = 1}));
+        gpu::compute_barrier(commands_);
     }
 
     const gpu::Device& device_;
@@ -115,7 +143,7 @@ class WalkBench {
     const render::TreeSlicer slicer_;
     const render::Shader shader_;
     const render::TileRanger ranger_;
-    std::vector<std::unique_ptr<render::TreeTracer>> tracers_;
+    std::vector<std::unique_ptr<WalkTracer>> tracers_;
     gpu::Commands commands_{device_, "walk"};
 };
 

@@ -11,7 +11,6 @@ layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
 layout(constant_id = 3) const uint kBasisPlanes = 8u;
 layout(constant_id = 4) const uint kBusyPlanes = 8u;
-const bool kRestart = false, kFromRoot = false, kCoalesce = true;
 const bool kHalfWeights = false, kWeightsByAddress = false;
 READ_ARRAY(uint, kTraceLinks, tree_links);
 READ_ARRAY(uvec4, kTraceNodes, tree_nodes);

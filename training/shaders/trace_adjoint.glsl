@@ -8,7 +8,6 @@ layout(local_size_x = kTilePixels) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
-const bool kRestart = false, kFromRoot = false, kCoalesce = true;
 READ_ARRAY(uint, kTraceLinks, tree_links);
 READ_ARRAY(uvec4, kTraceNodes, tree_nodes);
 READ_ARRAY(uvec2, kTraceNodeLive, node_live);
