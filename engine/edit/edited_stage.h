@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "stage/file/stage_file.h"
-#include "voctree/paint.h"
+#include "voctree/edit_layer.h"
 
 namespace neuvv::edit {
 

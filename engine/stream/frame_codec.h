@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "stream/planes.h"
-#include "stream/slice.h"
+#include "stream/quantised_slice.h"
 
 namespace neuvv::stream {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "stream/slice.h"
+#include "stream/quantised_slice.h"
 
 namespace neuvv::stream {
 

@@ -1,7 +1,7 @@
 // Blocks of leaves that a frame has of the frame before, and how they and its own leaves become one slice.
 #pragma once
 
-#include "stream/slice.h"
+#include "stream/quantised_slice.h"
 #include "stream/symbols.h"
 
 namespace neuvv::stream {

@@ -8,7 +8,7 @@
 
 #include "shared/hh_counts.h"
 #include "shared/paint.h"
-#include "voctree/paint.h"
+#include "voctree/edit_layer.h"
 
 namespace neuvv::voctree {
 

@@ -7,7 +7,7 @@
 #include "motion/skeleton/skeleton.h"
 #include "stage/stage.h"
 #include "training/data/dataset.h"
-#include "voctree/paint.h"
+#include "voctree/edit_layer.h"
 
 namespace neuvv::fuzz {
 

@@ -5,7 +5,7 @@
 
 #include "reference/slice.h"
 #include "shared/paint.h"
-#include "voctree/paint.h"
+#include "voctree/edit_layer.h"
 
 namespace neuvv::reference {
 

@@ -19,7 +19,7 @@
 #include "voctree/coarse.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/nvpaint.h"
-#include "voctree/slice.h"
+#include "voctree/stream_slice.h"
 
 namespace neuvv::test::stage_clips_test {
 namespace {

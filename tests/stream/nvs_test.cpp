@@ -15,7 +15,7 @@
 #include "support/temporary_folder.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/world_frame.h"
-#include "voctree/slice.h"
+#include "voctree/stream_slice.h"
 #include "voctree/temporal_basis.h"
 
 namespace neuvv::test::nvs_test {

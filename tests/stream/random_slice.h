@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stream/slice.h"
+#include "stream/quantised_slice.h"
 #include "support/random_tree.h"
 
 namespace neuvv::test {

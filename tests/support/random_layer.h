@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "support/random_tree.h"
-#include "voctree/paint.h"
+#include "voctree/edit_layer.h"
 
 namespace neuvv::test {
 

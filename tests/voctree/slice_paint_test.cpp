@@ -9,7 +9,7 @@
 #include "reference/paint.h"
 #include "support/random_layer.h"
 #include "voctree/sh_weights.h"
-#include "voctree/slice.h"
+#include "voctree/stream_slice.h"
 
 namespace neuvv::test {
 namespace {

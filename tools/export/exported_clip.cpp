@@ -10,7 +10,7 @@
 #include "stage/evaluated_stage.h"
 #include "stage/time_map.h"
 #include "tools/options.h"
-#include "voctree/slice.h"
+#include "voctree/stream_slice.h"
 
 namespace neuvv::tools {
 

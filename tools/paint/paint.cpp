@@ -13,7 +13,7 @@
 #include "base/platform.h"
 #include "editor/paint/paint_carrier.h"
 #include "tools/commands.h"
-#include "tools/paint/paint.h"
+#include "tools/paint/paint_segments.h"
 #include "tools/report.h"
 #include "tools/say.h"
 #include "tools/stage/stage_verbs.h"

@@ -1,4 +1,4 @@
-#include "tools/paint/paint.h"
+#include "tools/paint/paint_options.h"
 
 #include "base/error.h"
 #include "stage/stage_settings.h"

@@ -1,4 +1,5 @@
-// neuvv paint on clips in segments: what is painted on one segment goes on in the others.
+#include "tools/paint/paint_segments.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +9,6 @@
 #include "base/error.h"
 #include "editor/paint/paint_carrier.h"
 #include "tools/commands.h"
-#include "tools/paint/paint.h"
 #include "tools/report.h"
 #include "voctree/files/nvpaint.h"
 

@@ -1,5 +1,4 @@
-#include "base/output_path.h"
-#include "tools/paint/paint.h"
+#include "tools/paint/painted_scene.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/error.h"
+#include "base/output_path.h"
 #include "edit/operations.h"
 #include "editor/open_file.h"
 #include "render/volume/trace.h"

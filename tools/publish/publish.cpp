@@ -25,7 +25,7 @@
 #include "voctree/files/clip.h"
 #include "voctree/files/clip_sound.h"
 #include "voctree/files/world_frame.h"
-#include "voctree/slice.h"
+#include "voctree/stream_slice.h"
 
 namespace neuvv::tools {
 

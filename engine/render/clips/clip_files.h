@@ -15,9 +15,9 @@
 #include "base/file_stamp.h"
 #include "render/clips/segment_paint.h"
 #include "render/volume/field_levels.h"
+#include "voctree/edit_layer.h"
 #include "voctree/files/clip_index.h"
 #include "voctree/files/solid_leaves.h"
-#include "voctree/paint.h"
 
 namespace neuvv::render {
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "base/file_stamp.h"
-#include "voctree/paint.h"
+#include "voctree/edit_layer.h"
 
 namespace neuvv::render {
 

@@ -10,7 +10,7 @@
 #include "base/platform.h"
 #include "base/seconds.h"
 #include "base/trace_file.h"
-#include "voctree/slice.h"
+#include "voctree/stream_slice.h"
 
 namespace neuvv::voctree {
 

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
+#include "voctree/edit_layer.h"
 #include "voctree/files/clip_index.h"
-#include "voctree/paint.h"
 
 namespace neuvv::voctree {
 

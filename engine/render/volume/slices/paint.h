@@ -9,7 +9,7 @@
 #include "render/volume/slices/slice.h"
 #include "shared/paint.h"
 #include "stage/performer_settings.h"
-#include "voctree/paint.h"
+#include "voctree/edit_layer.h"
 
 namespace neuvv::render {
 

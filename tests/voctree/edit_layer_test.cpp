@@ -1,5 +1,5 @@
 // Tests layers of paint: edits against a plain table of times, and their files, including damaged ones.
-#include "voctree/paint.h"
+#include "voctree/edit_layer.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "voctree/paint.h"
+#include "voctree/edit_layer.h"
 
 #include <fmt/format.h>
 #include <xxhash.h>

@@ -1,4 +1,4 @@
-#include "voctree/slice.h"
+#include "voctree/stream_slice.h"
 
 #include <algorithm>
 #include <array>
