@@ -21,7 +21,8 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kTerminalPeriod{200}, kLogPeriod{10000};
 
-// From one line of a log to the next: NEUVV_STATUS_MS, for a program that reads them, else kLogPeriod.
+// From one line of a log to the next: NEUVV_STATUS_MS, which the window sets for the verbs that it runs, else
+// kLogPeriod.
 milliseconds log_period() {
     const char* wanted = std::getenv("NEUVV_STATUS_MS");
     const long long ms = wanted ? std::strtoll(wanted, nullptr, 10) : 0;

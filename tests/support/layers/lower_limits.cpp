@@ -1,6 +1,7 @@
 // A Vulkan layer that lowers the limits of all devices, so that a large device stands in for a small one:
 // NEUVV_MOST_TEXELS is maxTexelBufferElements, NEUVV_MOST_STORAGE_BYTES is maxStorageBufferRange, and
-// NEUVV_MOST_ALLOCATION is maxMemoryAllocationSize and maxBufferSize.
+// NEUVV_MOST_ALLOCATION is maxMemoryAllocationSize and maxBufferSize. With NEUVV_SAYS_GPU, a device says that it is a
+// discrete GPU, so that lavapipe stands in for one.
 #include <algorithm>
 #include <cstdlib>
 
@@ -20,19 +21,20 @@ void lower(Number& limit, const char* name) {
         limit = std::min(limit, static_cast<Number>(std::strtoul(most, nullptr, 10)));
 }
 
-void lower_all(VkPhysicalDeviceLimits& limits) {
-    lower(limits.maxTexelBufferElements, "NEUVV_MOST_TEXELS");
-    lower(limits.maxStorageBufferRange, "NEUVV_MOST_STORAGE_BYTES");
+void change(VkPhysicalDeviceProperties& all) {
+    lower(all.limits.maxTexelBufferElements, "NEUVV_MOST_TEXELS");
+    lower(all.limits.maxStorageBufferRange, "NEUVV_MOST_STORAGE_BYTES");
+    if (std::getenv("NEUVV_SAYS_GPU")) all.deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
 }
 
 void VKAPI_CALL properties(VkPhysicalDevice physical, VkPhysicalDeviceProperties* all) {
     next_properties(physical, all);
-    lower_all(all->limits);
+    change(*all);
 }
 
 void VKAPI_CALL properties_2(VkPhysicalDevice physical, VkPhysicalDeviceProperties2* all) {
     next_properties_2(physical, all);
-    lower_all(all->properties.limits);
+    change(all->properties);
     for (auto* more = static_cast<VkBaseOutStructure*>(all->pNext); more; more = more->pNext) {
         if (more->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES)
             lower(reinterpret_cast<VkPhysicalDeviceVulkan11Properties*>(more)->maxMemoryAllocationSize,

@@ -2,10 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <utility>
-
-#include "base/error.h"
 
 namespace neuvv::headset {
 
@@ -52,12 +49,7 @@ render::Fovea even_rays(double share) {
 }  // namespace
 
 bool images_overlap(const gpu::Device& device) {
-    const char* environment = std::getenv("NEUVV_OVERLAP");
-    const std::string forced = environment ? environment : "";
-    if (forced.empty()) return device.summary().kind != "cpu";
-    if (forced != "0" && forced != "1")
-        throw InputError("NEUVV_OVERLAP", forced, "is neither 0 nor 1", "leave it out: the device decides");
-    return forced == "1";
+    return device.summary().kind != "cpu";
 }
 
 EyeImages::EyeImages(const gpu::Device& device, const xr::Session& session, const EyeQuality& quality)

@@ -26,8 +26,7 @@ struct EyeQuality {
 };
 
 // Whether an image is recorded while the device draws the one before: not on software devices, which draw on the
-// processor that would do other work meanwhile, and whose times are the host's. NEUVV_OVERLAP of the environment, 0 or
-// 1, decides before; for another value this throws InputError.
+// processor that would do other work meanwhile, and whose times are the host's.
 bool images_overlap(const gpu::Device& device);
 
 class EyeImages {
