@@ -15,6 +15,8 @@ struct Tasks {
     // references must outlive this object.
     Tasks(Context& context, Preferences& preferences, Panels& panels, const std::string& device,
           const std::filesystem::path& shaders);
+    Tasks(const Tasks&) = delete;
+    Tasks& operator=(const Tasks&) = delete;
 
     // To be called once a frame, with the files that were dropped on the window.
     void tick(Context& context, std::span<const std::filesystem::path> dropped);

@@ -23,6 +23,8 @@ struct PanelUses {
 
 struct Panels {
     explicit Panels(const gpu::Device& device) : paint(device) {}
+    Panels(const Panels&) = delete;
+    Panels& operator=(const Panels&) = delete;
 
     // Draws the panels and lets them and the tools act: the image at the left, the stage and the properties at the
     // right, the timeline below the image. Writes into `input` where the image lies, and its camera.
