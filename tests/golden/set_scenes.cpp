@@ -145,12 +145,12 @@ media::Image render_set(const gpu::Device& device, const GoldenSet& set) {
     render::SetRaster raster(device, set.scene, side, side, 1,
                              set.environment.rgba.empty() ? nullptr : &set.environment);
     raster.pose(stage::pose_scene(set.scene, stage::kNoAnimation, 0));
-    raster.light(set.lights, set.ambient);
+    raster.lighting.light(set.lights, set.ambient);
     if (set.volume_depth_m > 0) {
         std::vector<float> volume(size_t{side} * side, INFINITY);
         for (size_t i = 0; i < volume.size(); ++i)
             if (i % side >= side / 2) volume[i] = set.volume_depth_m;
-        gpu::upload(device, raster.volume_depth, volume.data(), volume.size() * sizeof(float));
+        gpu::upload(device, raster.targets().volume_depth, volume.data(), volume.size() * sizeof(float));
     }
     const SetImages drawn = draw_set(device, raster, {set.camera});
     std::vector<glm::vec4> pixels(kSetSize * kSetSize, glm::vec4(0));

@@ -138,10 +138,10 @@ TEST_F(EnvironmentTest, StandsBehindTheSetAndTurns) {
     render::SetAmbient ambient;
     ambient.environment_intensity = 2;
     ambient.environment_rotation = 0.9;
-    set.light({}, ambient);
+    set.lighting.light({}, ambient);
     EXPECT_EQ(draw_set(device(), set, {camera}).colour[0].a, 0) << "not requested";
     ambient.show_environment = true;
-    set.light({}, ambient);
+    set.lighting.light({}, ambient);
     const SetImages drawn = draw_set(device(), set, {camera});
     const double c = std::cos(0.9), s = std::sin(0.9);
     const glm::dmat3 back(c, 0, s, 0, 1, 0, -s, 0, c);

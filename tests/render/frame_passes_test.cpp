@@ -57,7 +57,7 @@ struct Scene {
           frames(device, {&field}, {kWidth, kHeight, kSamples}, &set) {
         set.pose(stage::pose_scene(gltf, stage::kNoAnimation, 0));
         const render::SetLight light = lamp();
-        set.light(std::span(&light, 1), {glm::dvec3(0.2)}, {true, true});
+        set.lighting.light(std::span(&light, 1), {glm::dvec3(0.2)}, {true, true});
         render::FrameSettings settings;
         settings.width = kWidth;
         settings.height = kHeight;

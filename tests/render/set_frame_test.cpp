@@ -201,13 +201,14 @@ TEST_F(SetFrameTest, APerformersShadowIsItsAlphaAlongTheLight) {
     const stage::Camera camera = look_at({0, 5, 0.01}, {0, 0, 0}, kSide, kSide, 1.2);
     const glm::mat4 lifted = glm::mat4({1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0.8f, 0, 1});
     const auto light_with = [&](bool shadows, bool casts) {
-        stage.set.light(std::span(&light, 1), {}, {shadows, shadows});
+        stage.set.lighting.light(std::span(&light, 1), {}, {shadows, shadows});
         render::FrameSettings settings = settings_of({{0, lifted}});
         settings.width = settings.height = kSide;
         settings.instances[0].casts_shadow = casts;
         stage.frames.render(camera, settings);
         std::vector<double> rendered;
-        for (const glm::dvec4& texel : download_colours(device(), stage.set.colour)) rendered.push_back(texel.g);
+        for (const glm::dvec4& texel : download_colours(device(), stage.set.targets().colour))
+            rendered.push_back(texel.g);
         return rendered;
     };
     const std::vector<double> lit = light_with(false, true), shadowed = light_with(true, true);
@@ -250,7 +251,7 @@ TEST_F(SetFrameTest, LightFallsOffWithTheDistanceFromTheLamp) {
     const stage::Camera camera = look_at({0.5, 1.2, 3}, {0, 0.5, 0}, kWidth, kHeight, 1.4);
     const render::SetLight light = lamp({0.4, 2.5, 1}, {0, 0.5, 0}, 20);
     const render::SetAmbient ambient{.light = {0.05, 0.1, 0.02}};
-    stage.set.light(std::span(&light, 1), ambient, {false, false});
+    stage.set.lighting.light(std::span(&light, 1), ambient, {false, false});
     render::FrameSettings settings = settings_of({{0}});
     stage.frames.render(camera, settings);
     const std::vector<glm::vec4> captured = stage.frames.radiance();
@@ -296,7 +297,7 @@ TEST_F(SetFrameTest, TheSetShadowsPerformers) {
     settings.lit = true;
     settings.instances[0].casts_shadow = false;
     const auto rendered = [&](bool shadows, bool receives) {
-        stage.set.light(std::span(&light, 1), {}, {shadows, shadows});
+        stage.set.lighting.light(std::span(&light, 1), {}, {shadows, shadows});
         settings.instances[0].receives_shadow = receives;
         stage.frames.render(camera, settings);
         return stage.frames.radiance();
@@ -318,11 +319,11 @@ TEST_F(SetFrameTest, NothingOfTheLastShadowStays) {
     const render::SetLight lights[] = {lamp({0.5, 4, 0.4}, {0, 0, 0}, 100), lamp({-2, 4, 1}, {0, 0, 0}, 60)};
     const stage::Camera camera = look_at({0, 5, 0.01}, {0, 0, 0}, kWidth, kHeight, 1.2);
     const auto drawn = [&](OnSet& stage, float x, size_t count) {
-        stage.set.light(std::span(lights).first(count), {}, {true, true});
+        stage.set.lighting.light(std::span(lights).first(count), {}, {true, true});
         render::FrameSettings settings = settings_of({{0}});
         settings.instances[0].world_from_performer[3] = {x, 0.8f, 0, 1};
         stage.frames.render(camera, settings);
-        return download_colours(device(), stage.set.colour);
+        return download_colours(device(), stage.set.targets().colour);
     };
     OnSet reused(device(), glb, {&field}, {kWidth, kHeight});
     std::vector<glm::dvec4> last;
@@ -351,7 +352,7 @@ TEST_F(SetFrameTest, PerformersShadowEachOther) {
     for (const render::SetLight& light : {lamp({0, 6, 4}, {0, 1, 0}, 60), sun}) {
         SCOPED_TRACE(static_cast<int>(light.kind));
         const auto rendered = [&](bool shadows) {
-            stage.set.light(std::span(&light, 1), {}, {shadows, shadows});
+            stage.set.lighting.light(std::span(&light, 1), {}, {shadows, shadows});
             stage.frames.render(camera, settings);
             return stage.frames.radiance();
         };
@@ -379,15 +380,15 @@ TEST_F(SetFrameTest, FarLevelsDoNotMoveShadowMaps) {
     OnSet stage(device(), glb, {&field}, {kWidth, kHeight});
     render::SetLight sun = lamp({1, 4, 2}, {0, 0, 0}, 3);
     sun.kind = render::SetLightKind::kDirectional;
-    stage.set.light(std::span(&sun, 1), {});
+    stage.set.lighting.light(std::span(&sun, 1), {});
     const glm::mat4 far({1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {1, 0, -30, 1});
     render::FrameSettings settings = settings_of({{0}, {0, far}});
     const stage::Camera camera = look_at({0, 2, 3}, {0, 1.2, 0}, kWidth, kHeight, 1.1);
     const auto light_with = [&](bool far_levels) {
         settings.far_levels = far_levels;
         stage.frames.render(camera, settings);
-        return std::pair(stage.set.lights().light[0].performer_clip_from_world,
-                         download_colours(device(), stage.set.colour));
+        return std::pair(stage.set.lighting.lights().light[0].performer_clip_from_world,
+                         download_colours(device(), stage.set.targets().colour));
     };
     const auto [map, colours] = light_with(true);
     bool any_coarser = false, any_finest = false;
@@ -439,7 +440,7 @@ TEST_F(SetFrameTest, CopiesOnASetCostNoMemory) {
         const uint64_t before = device().buffer_bytes();
         OnSet stage(device(), glb, {&field},
                     {kWidth, kHeight, 1, 1, render::slice_bytes(field, render::max_entries(field))});
-        stage.set.light(std::span(&light, 1), {});
+        stage.set.lighting.light(std::span(&light, 1), {});
         std::vector<render::Instance> instances;
         for (int i = 0; i < copies; ++i) {
             glm::mat4 transform(1);

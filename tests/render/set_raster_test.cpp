@@ -79,7 +79,7 @@ TEST_F(SetRasterTest, ViewsStandBehindEachOther) {
     const stage::Camera other = look_at({-0.7, 0.9, 1.8}, {0.2, 0, 0}, kSide, kSide, 0.9);
     render::SetRaster set(device(), scene, kSide, kSide, 3);
     set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
-    set.light(lighting.lights, lighting.ambient);
+    set.lighting.light(lighting.lights, lighting.ambient);
     const SetImages drawn = draw_set(device(), set, {camera_above(), other});
     const PbrMaterial material{{0.8, 0.5, 0.2}, 0, 0.7};
     EXPECT_LT(compare(drawn, camera_above(), floor_of(1.5), material, lighting).worst, kColourTolerance);
@@ -107,7 +107,7 @@ TEST_F(SetRasterTest, WhiteInUniformLightStaysWhite) {
             set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
             render::SetAmbient ambient;
             ambient.light = glm::dvec3(by_image ? 0 : 1);
-            set.light({}, ambient);
+            set.lighting.light({}, ambient);
             const SetImages drawn = draw_set(device(), set, {camera_above()});
             size_t covered = 0;
             for (const glm::dvec4& light : drawn.colour) {
@@ -207,7 +207,7 @@ TEST_F(SetRasterTest, MorphsAndSkinsMoveWhatIsDrawn) {
         set.pose(pose);
         const PbrMaterial material{{0.8, 0.5, 0.2}, 0, 0.7};
         const Lighting lighting{{spot()}, {}};
-        set.light(lighting.lights, lighting.ambient);
+        set.lighting.light(lighting.lights, lighting.ambient);
         const Agreement still =
             compare(draw_set(device(), set, {camera_above()}), camera_above(), floor_of(1.5), material, lighting);
         EXPECT_LT(still.worst, kColourTolerance) << skinned;
@@ -289,7 +289,7 @@ TEST_F(SetRasterTest, PanesAreBlendedFarToNearInTwoLayers) {
     std::vector<float> volume(kSide * kSide, INFINITY);
     for (size_t i = 0; i < volume.size(); ++i)
         if (i % kSide >= kSide / 2) volume[i] = 1.85f;
-    gpu::upload(device(), set.volume_depth, volume.data(), volume.size() * sizeof(float));
+    gpu::upload(device(), set.targets().volume_depth, volume.data(), volume.size() * sizeof(float));
     const SetImages drawn = draw_set(device(), set, {camera});
     const glm::dvec4 blue = 0.5 * glm::dvec4(0, 0, 1, 1) + 0.5 * glm::dvec4(1);
     const glm::dvec4 green = 0.5 * glm::dvec4(0, 1, 0, 1) + 0.5 * blue;
@@ -316,7 +316,7 @@ TEST_F(SetRasterTest, NothingStaysOfPanesThatAreNotDrawnAnyMore) {
     render::SetRaster set(device(), pane, kSide, kSide, 1, environment);
     set.pose(stage::pose_scene(pane, stage::kNoAnimation, 0));
     std::vector<float> behind_it(kSide * kSide, 2.5f);
-    gpu::upload(device(), set.volume_depth, behind_it.data(), behind_it.size() * sizeof(float));
+    gpu::upload(device(), set.targets().volume_depth, behind_it.data(), behind_it.size() * sizeof(float));
     const size_t centre = kSide * kSide / 2 + kSide / 2;
     const auto front = [&] { return draw_set(device(), set, {camera}).front[centre]; };
     expect_colour(front(), {0.5, 0, 0, 0.5}, "a pane before the volume");

@@ -112,11 +112,11 @@ TEST_F(SetShadowTest, CanBeTurnedOffAndAreDrawnAgainOnlyForChanges) {
     const stage::PosedScene pose = stage::pose_scene(scene, stage::kNoAnimation, 0);
     const Lighting lighting = plate_lighting({spot_above()});
     set.pose(pose);
-    set.light(lighting.lights, lighting.ambient);
+    set.lighting.light(lighting.lights, lighting.ambient);
     const auto maps_drawn = [&] {
         gpu::Commands commands(device());
         commands.begin();
-        set.record_lights(commands);
+        set.lighting.record_lights(commands);
         set.record_shadows(commands);
         commands.submit();
         commands.wait();
@@ -124,14 +124,14 @@ TEST_F(SetShadowTest, CanBeTurnedOffAndAreDrawnAgainOnlyForChanges) {
     };
     EXPECT_EQ(maps_drawn(), 1u);
     set.pose(pose);
-    set.light(lighting.lights, lighting.ambient);
+    set.lighting.light(lighting.lights, lighting.ambient);
     EXPECT_EQ(maps_drawn(), 0u) << "nothing moved";
     Lighting unshadowed = lighting;
     unshadowed.visible = [](const render::SetLight&, glm::dvec3) { return 1.0; };
-    set.light(lighting.lights, lighting.ambient, {.set = false});
+    set.lighting.light(lighting.lights, lighting.ambient, {.set = false});
     EXPECT_EQ(maps_drawn(), 0u);
     EXPECT_LT(floor_agreement(draw_set(device(), set, {camera_above()}), unshadowed).worst, kColourTolerance);
-    set.light(lighting.lights, lighting.ambient);
+    set.lighting.light(lighting.lights, lighting.ambient);
     EXPECT_LT(floor_agreement(draw_set(device(), set, {camera_above()}), lighting).worst, kColourTolerance);
     stage::PosedScene moved = pose;
     moved.world_from_node[1][3].x = 0.4;
@@ -139,11 +139,11 @@ TEST_F(SetShadowTest, CanBeTurnedOffAndAreDrawnAgainOnlyForChanges) {
     EXPECT_EQ(maps_drawn(), 1u);
     render::SetLight other = spot_above();
     other.position.y += 0.1;
-    set.light(std::span(&other, 1), lighting.ambient);
+    set.lighting.light(std::span(&other, 1), lighting.ambient);
     EXPECT_EQ(maps_drawn(), 1u);
     const std::vector<render::SetLight> many(40, other);
-    set.light(many, lighting.ambient);
-    EXPECT_EQ(set.lights().count, kMaxSetLights);
+    set.lighting.light(many, lighting.ambient);
+    EXPECT_EQ(set.lighting.lights().count, kMaxSetLights);
     EXPECT_EQ(maps_drawn(), kMaxShadows);
 }
 
@@ -228,9 +228,9 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
     render::SetRaster set(device(), scene, kSide, kSide, 1);
     set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
     Lighting lighting{{sun(), spot_above()}, {}};
-    set.light(lighting.lights, lighting.ambient);
+    set.lighting.light(lighting.lights, lighting.ambient);
     const render::WorldBox performers{glm::dvec3(-0.7, 0, -0.7), glm::dvec3(0.7, 0.9, 0.7)};
-    set.set_shadow_casters(performers);
+    set.lighting.set_shadow_casters(performers);
     const uint32_t side = kPerformerShadowSide;
     const auto worst = [&](const Lighting& wanted) {
         return compare(draw_set(device(), set, {camera_above()}), camera_above(), floor_of(1.5), kMaterial, wanted)
@@ -240,12 +240,12 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
     for (const uint32_t shadow : {0u, 1u}) {
         SCOPED_TRACE(shadow);
         const render::SetLight& from = lighting.lights[shadow];
-        ASSERT_EQ(set.lights().light[shadow].shadow, shadow);
+        ASSERT_EQ(set.lighting.lights().light[shadow].shadow, shadow);
         // The lower right quarter of its image, 1 m from it.
         std::vector<glm::vec2> maps(kMaxShadows * side * side, glm::vec2(0));
         for (size_t i = 0; i < side * side; ++i)
             if (i % side >= side / 2 && i / side >= side / 2) maps[shadow * side * side + i] = {0.75f, 1};
-        gpu::upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
+        gpu::upload(device(), set.lighting.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
         const stage::Camera light_camera = render::performer_shadow_camera(from, performers, side);
         lighting.visible = [&](const render::SetLight& light, glm::dvec3 position) {
             if (light.kind != from.kind) return 1.0;
@@ -259,11 +259,11 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
         };
         EXPECT_LT(worst(lighting), kColourTolerance);
         EXPECT_GT(worst(unshadowed), 0.3) << "there is a shadow";
-        set.light(lighting.lights, lighting.ambient, {.performers = false});
+        set.lighting.light(lighting.lights, lighting.ambient, {.performers = false});
         EXPECT_LT(worst(unshadowed), kColourTolerance);
-        set.light(lighting.lights, lighting.ambient);
+        set.lighting.light(lighting.lights, lighting.ambient);
         for (glm::vec2& texel : maps) texel.y = 1e6f;  // behind the floor
-        gpu::upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
+        gpu::upload(device(), set.lighting.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
         EXPECT_LT(worst(unshadowed), kColourTolerance);
     }
 }
@@ -276,13 +276,13 @@ TEST_F(SetShadowTest, ACatcherShowsPerformersShadowsAlone) {
     const std::vector<render::SetLight> lights{sun(), spot_above(), point()};
     render::SetAmbient ambient;
     ambient.light = glm::dvec3(0.1, 0.2, 0.3);
-    set.light(lights, ambient);
-    set.set_shadow_casters(render::WorldBox{glm::dvec3(-0.7, 0, -0.7), glm::dvec3(0.7, 0.9, 0.7)});
+    set.lighting.light(lights, ambient);
+    set.lighting.set_shadow_casters(render::WorldBox{glm::dvec3(-0.7, 0, -0.7), glm::dvec3(0.7, 0.9, 0.7)});
     // The whole map of the spot has a performer 1 m before it.
     const size_t texels = kPerformerShadowSide * kPerformerShadowSide;
     std::vector<glm::vec2> maps(kMaxShadows * texels, glm::vec2(0));
     std::fill_n(maps.begin() + static_cast<ptrdiff_t>(texels), texels, glm::vec2(kAlpha, 1));
-    gpu::upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
+    gpu::upload(device(), set.lighting.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
 
     const SetImages with_set = draw_set(device(), set, {camera_above()});
     set.catch_shadows(kFloor_m);
@@ -317,7 +317,7 @@ TEST_F(SetShadowTest, ComputeShadersLightAlike) {
     render::SetRaster set(device(), scene, kSide, kSide, 1);
     set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
     const std::vector<render::SetLight> lights{sun(), point(), spot_above()};
-    set.light(lights, {});
+    set.lighting.light(lights, {});
     std::vector<glm::vec4> positions;
     for (int i = 0; i < 500; ++i)
         positions.emplace_back(0.003 * (i * 37 % 331) - 0.5, 0.001 * (i * 53 % 331) + 0.02,
@@ -328,12 +328,12 @@ TEST_F(SetShadowTest, ComputeShadersLightAlike) {
     gpu::upload(device(), in, positions.data(), bytes);
     const gpu::ComputePass pass(device(), "light probe", light_probe_comp);
     const gpu::BindingSet bindings(pass, {{kProbePositions, &in},
-                                          {kProbeLights, &set.lights_buffer},
-                                          {kProbeSetShadows, &set.set_shadow_maps},
-                                          {kProbePerformerShadows, &set.performer_shadows},
+                                          {kProbeLights, &set.lighting.lights_buffer},
+                                          {kProbeSetShadows, &set.lighting.set_shadow_maps},
+                                          {kProbePerformerShadows, &set.lighting.performer_shadows},
                                           {kProbeOut, &out}});
     gpu::run_once(device(), "light probe", [&](gpu::Commands& commands) {
-        set.record_lights(commands);
+        set.lighting.record_lights(commands);
         set.record_shadows(commands);
         const LightProbePush push{static_cast<uint32_t>(positions.size())};
         gpu::dispatch(commands, pass, bindings, positions.size(), push);

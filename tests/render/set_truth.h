@@ -163,7 +163,7 @@ inline SetImages draw(const gpu::Device& device, const GlbBuilder& glb, const st
     const stage::GltfScene scene = scene_of(glb);
     render::SetRaster set(device, scene, camera.width, camera.height, 1);
     set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
-    set.light(lighting.lights, lighting.ambient);
+    set.lighting.light(lighting.lights, lighting.ambient);
     return draw_set(device, set, {camera});
 }
 

@@ -121,15 +121,17 @@ inline std::vector<glm::dvec4> download_colours(const gpu::Device& device, const
 inline SetImages draw_set(const gpu::Device& device, render::SetRaster& set,
                           const std::vector<stage::Camera>& cameras) {
     gpu::run_once(device, "set", [&](gpu::Commands& commands) {
-        set.record_lights(commands);
+        set.lighting.record_lights(commands);
         set.record_shadows(commands);
         set.record_solid(commands, cameras);
         set.record_transparent(commands, cameras);
     });
-    SetImages images{
-        download_colours(device, set.colour), download_colours(device, set.front), {}, raster_grid_px(device)};
-    images.depth_m.resize(set.depth.bytes / 4);
-    gpu::download(device, set.depth, images.depth_m.data(), set.depth.bytes);
+    SetImages images{download_colours(device, set.targets().colour),
+                     download_colours(device, set.targets().front),
+                     {},
+                     raster_grid_px(device)};
+    images.depth_m.resize(set.targets().depth.bytes / 4);
+    gpu::download(device, set.targets().depth, images.depth_m.data(), set.targets().depth.bytes);
     return images;
 }
 

@@ -87,7 +87,7 @@ EyePass::EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth)
 }
 
 void EyePass::bind(const render::StageRenderer& renderer, const gpu::Buffer& images) {
-    const std::array<VkBuffer, 2> to{images.buffer, renderer.set().depth.buffer};
+    const std::array<VkBuffer, 2> to{images.buffer, renderer.set().targets().depth.buffer};
     if (to == bound_to_) return;
     const render::RayBatch& rays = renderer.frames().rays();
     bound_ = gpu::TextureSet(image_, {},
@@ -95,7 +95,7 @@ void EyePass::bind(const render::StageRenderer& renderer, const gpu::Buffer& ima
                               {kEyeRadiance, &rays.radiance},
                               {kEyeDepth, &rays.depth},
                               {kEyeCameras, &rays.cameras},
-                              {kEyeSetDepth, &renderer.set().depth}});
+                              {kEyeSetDepth, &renderer.set().targets().depth}});
     bound_to_ = to;
 }
 

@@ -209,7 +209,8 @@ void StageRenderer::apply_paints(const stage::Stage& stage, NextPaints next) {
 }
 
 void StageRenderer::resize(uint32_t width, uint32_t height) {
-    const uint32_t has_width = set_->width() / capacity_.samples, has_height = set_->height() / capacity_.samples;
+    const uint32_t has_width = set_->targets().width / capacity_.samples,
+                   has_height = set_->targets().height / capacity_.samples;
     if (width > has_width || height > has_height) {
         try {
             with_memory_of_slices(*frames_,
@@ -273,13 +274,13 @@ void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_envir
         lights.push_back(room_lamp(ambient.light));
     }
     const bool shadows = stage_->settings.shadows;
-    set_->light(lights, ambient, {shadows && !room_floor_m_, shadows});
+    set_->lighting.light(lights, ambient, {shadows && !room_floor_m_, shadows});
 }
 
 SetRays StageRenderer::set_rays() const {
-    SetRays set{download_halves(device_, set_->colour), download_halves(device_, set_->front), {}};
+    SetRays set{download_halves(device_, set_->targets().colour), download_halves(device_, set_->targets().front), {}};
     set.axis_m.resize(set.behind.size());
-    gpu::download(device_, set_->depth, set.axis_m.data(), set.axis_m.size() * sizeof(float));
+    gpu::download(device_, set_->targets().depth, set.axis_m.data(), set.axis_m.size() * sizeof(float));
     return set;
 }
 

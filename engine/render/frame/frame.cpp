@@ -34,7 +34,7 @@ void FrameRenderer::record_playing(const FrameSettings& settings) {
     for (const auto& performer : performers_)
         if (performer) record_slices(commands(), *performer);
     if (set_) {
-        set_->record_lights(commands());
+        set_->lighting.record_lights(commands());
         // SliceTrees → the shadows' own ranges and rays → SetRaster performer_shadows
         record_performer_shadows(commands(), *shadows_, performers_, kLightTarget);
         // SetRaster vertices, materials, lights_buffer → set_shadow_maps

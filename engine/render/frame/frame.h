@@ -12,6 +12,7 @@
 #include "render/rays/image_list.h"
 #include "render/rays/ray_intervals.h"
 #include "render/rays/resolve.h"
+#include "render/set/set_raster.h"
 #include "render/volume/draw_order.h"
 #include "render/volume/field_levels.h"
 #include "render/volume/inspect.h"

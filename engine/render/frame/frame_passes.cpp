@@ -102,10 +102,11 @@ PassValues of_texels(const FrameRenderer& renderer) {
     return {width, height, std::vector<float>(size_t{width} * height, kNothing)};
 }
 
-template <gpu::Buffer SetRaster::*buffer>
+template <gpu::Buffer SetTargets::*buffer>
 PassValues read_set_light(const FrameRenderer& renderer) {
     PassValues texels = of_texels(renderer);
-    const auto halves = first_of<glm::u16vec4>(renderer.device(), renderer.set()->*buffer, texels.values.size());
+    const auto halves =
+        first_of<glm::u16vec4>(renderer.device(), renderer.set()->targets().*buffer, texels.values.size());
     for (size_t i = 0; i < halves.size(); ++i) {
         const auto channel = [&](int c) { return voctree::float_from_half(halves[i][c]); };
         if (channel(3) > 0) texels.values[i] = luminance({channel(0), channel(1), channel(2), channel(3)});
@@ -113,20 +114,20 @@ PassValues read_set_light(const FrameRenderer& renderer) {
     return texels;
 }
 
-template <gpu::Buffer SetRaster::*buffer>
+template <gpu::Buffer SetTargets::*buffer>
 PassValues read_set_metres(const FrameRenderer& renderer) {
     PassValues texels = of_texels(renderer);
-    texels.values = first_of<float>(renderer.device(), renderer.set()->*buffer, texels.values.size());
+    texels.values = first_of<float>(renderer.device(), renderer.set()->targets().*buffer, texels.values.size());
     for (float& value : texels.values) value = finite_or_nothing(value);
     return texels;
 }
 
 // Shadow maps, side by side in the order of their lights.
 
-std::vector<uint32_t> shadow_maps(const SetRaster& set) {
+std::vector<uint32_t> shadow_maps(const SetLighting& lighting) {
     std::vector<uint32_t> maps;
-    for (uint32_t i = 0; i < set.lights().count; ++i)
-        if (set.lights().light[i].shadow != kNoShadow) maps.push_back(set.lights().light[i].shadow);
+    for (uint32_t i = 0; i < lighting.lights().count; ++i)
+        if (lighting.lights().light[i].shadow != kNoShadow) maps.push_back(lighting.lights().light[i].shadow);
     return maps;
 }
 
@@ -144,10 +145,10 @@ PassValues beside_each_other(const std::vector<uint32_t>& maps, uint32_t side, c
 }
 
 PassValues read_set_shadow(const FrameRenderer& renderer) {
-    const SetRaster& set = *renderer.set();
-    const auto depths =
-        first_of<float>(renderer.device(), set.set_shadow_maps, size_t{kMaxShadows} * kSetShadowSide * kSetShadowSide);
-    const std::vector<uint32_t> maps = set.lights().set_shadows ? shadow_maps(set) : std::vector<uint32_t>();
+    const SetLighting& lighting = renderer.set()->lighting;
+    const auto depths = first_of<float>(renderer.device(), lighting.set_shadow_maps,
+                                        size_t{kMaxShadows} * kSetShadowSide * kSetShadowSide);
+    const std::vector<uint32_t> maps = lighting.lights().set_shadows ? shadow_maps(lighting) : std::vector<uint32_t>();
     return beside_each_other(maps, kSetShadowSide, [&](size_t i) { return depths[i] > 0 ? depths[i] : kNothing; });
 }
 
@@ -155,10 +156,11 @@ enum class Shadow { kAlpha, kDepth };
 
 template <Shadow what>
 PassValues read_performer_shadow(const FrameRenderer& renderer) {
-    const SetRaster& set = *renderer.set();
-    const auto shadows = first_of<glm::vec2>(renderer.device(), set.performer_shadows,
+    const SetLighting& lighting = renderer.set()->lighting;
+    const auto shadows = first_of<glm::vec2>(renderer.device(), lighting.performer_shadows,
                                              size_t{kMaxShadows} * kPerformerShadowSide * kPerformerShadowSide);
-    const std::vector<uint32_t> maps = set.lights().performer_shadows ? shadow_maps(set) : std::vector<uint32_t>();
+    const std::vector<uint32_t> maps =
+        lighting.lights().performer_shadows ? shadow_maps(lighting) : std::vector<uint32_t>();
     return beside_each_other(maps, kPerformerShadowSide, [&](size_t i) {
         if (what == Shadow::kAlpha) return shadows[i].x;
         return shadows[i].x > 0 ? shadows[i].y : kNothing;
@@ -173,9 +175,9 @@ constexpr std::array kPasses = {
     FramePass{"set-shadow", "The set as the lights with shadows see it: reversed depth, 1 next to the light", "0 to 1",
               true, read_set_shadow},
     FramePass{"set-light", "Light of the opaque set and of what is blended behind performers, a texel",
-              "linear, 1: white", true, read_set_light<&SetRaster::colour>},
+              "linear, 1: white", true, read_set_light<&SetTargets::colour>},
     FramePass{"set-depth", "Distance of the opaque set along the camera's axis, a texel", "m", true,
-              read_set_metres<&SetRaster::depth>},
+              read_set_metres<&SetTargets::depth>},
     FramePass{"tile-near", "Least distance at which rays may meet the last instance, a tile of 8x8 rays", "m", false,
               read_tile_range<Bound::kNear>},
     FramePass{"tile-far", "Largest distance at which they may meet it", "m", false, read_tile_range<Bound::kFar>},
@@ -187,9 +189,9 @@ constexpr std::array kPasses = {
     FramePass{"alpha", "Alpha of performers, a ray", "share", false, read_alpha},
     FramePass{"depth", "Distance along the ray at which performers are seen", "m", false, read_depth},
     FramePass{"volume-depth", "Distance of performers along the camera's axis, where a set has blended pieces, a texel",
-              "m", true, read_set_metres<&SetRaster::volume_depth>},
+              "m", true, read_set_metres<&SetTargets::volume_depth>},
     FramePass{"set-front", "Light of what is blended before performers, a texel", "linear, 1: white", true,
-              read_set_light<&SetRaster::front>},
+              read_set_light<&SetTargets::front>},
 };
 
 glm::vec3 viridis(float at) {

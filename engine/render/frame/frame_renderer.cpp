@@ -23,9 +23,14 @@ ViewLayout largest(const FrameCapacity& capacity) {
     return {capacity.width, capacity.height, capacity.samples, capacity.views};
 }
 
+const SetTargets* targets_of(const SetRaster* set) {
+    return set ? &set->targets() : nullptr;
+}
+
 SetBuffers set_buffers_of(const SetRaster* set) {
     if (!set) return {};
-    return {&set->depth, &set->lights_buffer, &set->set_shadow_maps, &set->performer_shadows};
+    const SetLighting& lighting = set->lighting;
+    return {&set->targets().depth, &lighting.lights_buffer, &lighting.set_shadow_maps, &lighting.performer_shadows};
 }
 
 // The instance as an inspection draws it: not merged with others, without set and lights.
@@ -55,15 +60,15 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
       readback_(device, "image readback", largest(capacity).image_bytes(), gpu::MemoryKind::kReadback),
       clearer_(device, target_),
       lister_(device, target_.rays, target_.ranges),
-      resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, nullptr, set),
+      resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, nullptr, targets_of(set)),
       listed_resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, &target_.ranges),
       commands_{gpu::Commands(device, "frame", kMaxScopes), gpu::Commands(device, "frame", kMaxScopes)} {
     capacity_.slice_budget = render::slice_budget(device.memory(), capacity.slice_budget);
     for (const Field* field : levels_.all) paints_.push_back(std::make_unique<Paints>(device, *field));
     if (!set) return;
-    assert(set->views() >= capacity.views);
-    shadows_ = std::make_unique<PerformerShadows>(device, *set, kMaxInstances);
-    volume_depth_ = std::make_unique<VolumeDepth>(device, target_.rays, *set);
+    assert(set->targets().views() >= capacity.views);
+    shadows_ = std::make_unique<PerformerShadows>(device, set->lighting, kMaxInstances);
+    volume_depth_ = std::make_unique<VolumeDepth>(device, target_.rays, set->targets());
 }
 
 FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacity)
@@ -116,10 +121,11 @@ void FrameRenderer::check_settings(std::span<const stage::Camera> cameras, const
         layout.image_tiles() > target_.ranges.image_tile_capacity || layout.image_bytes() > readback_.bytes)
         throw RuntimeFailure(fmt::format("{} images of {}x{} are more than their renderer was made for", layout.views,
                                          settings.width, settings.height));
-    if (set_ && (layout.samples * layout.width > set_->width() || layout.samples * layout.height > set_->height()))
+    if (set_ && (layout.samples * layout.width > set_->targets().width ||
+                 layout.samples * layout.height > set_->targets().height))
         throw RuntimeFailure(fmt::format("{}x{} pixels of {} rays are more than the set's {}x{} texels", layout.width,
-                                         layout.height, layout.samples * layout.samples, set_->width(),
-                                         set_->height()));
+                                         layout.height, layout.samples * layout.samples, set_->targets().width,
+                                         set_->targets().height));
     if (settings.instances.size() > kMaxInstances)
         throw RuntimeFailure(fmt::format("{} instances are more than a frame shows; leave {}",
                                          settings.instances.size(), kMaxInstances));
@@ -145,7 +151,7 @@ void FrameRenderer::make_grids(const FrameSettings& settings, uint32_t views) {
     const bool upscaled = settings.scale != 1 || !settings.foveae.empty();
     if (upscaled && !upscaler_)  // first, as it may find no memory: then the tiles are still those of layout_
         upscaler_ = std::make_unique<Resolver>(device_, RaysPerPixel::kFewer, target_.rays, image_,
-                                               set_ ? nullptr : &target_.ranges, set_);
+                                               set_ ? nullptr : &target_.ranges, targets_of(set_));
     layout_ = {settings.width, settings.height, settings.samples, views};
     grids_.clear();
     if (!upscaled) return;

@@ -9,7 +9,7 @@ namespace neuvv::render {
 
 // Bindings of buffers that do not exist get other buffers of the same formats.
 Resolver::Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays,
-                   const gpu::Buffer& image, const TileRanges* given_listed, const SetRaster* given_set)
+                   const gpu::Buffer& image, const TileRanges* given_listed, const SetTargets* given_set)
     : listed(given_listed),
       pass(device, rays_per_pixel == RaysPerPixel::kFewer ? "upscale" : "resolve",
            rays_per_pixel == RaysPerPixel::kFewer ? device.buffers().fitting(upscale_comp, upscale_comp_storage)

@@ -4,7 +4,7 @@
 
 #include "gpu/commands.h"
 #include "render/rays/image_list.h"
-#include "render/set/set_raster.h"
+#include "render/set/set_targets.h"
 #include "shared/resolve.h"
 
 namespace neuvv::render {
@@ -37,7 +37,7 @@ struct Resolver {
     // `image` has at least views·width·height R32_UINT texels. `listed`, if not null: only the tiles of its image_list
     // are resolved, and the other texels do not change. `set`, if not null, is composited behind and before the rays.
     Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays, const gpu::Buffer& image,
-             const TileRanges* listed = nullptr, const SetRaster* set = nullptr);
+             const TileRanges* listed = nullptr, const SetTargets* set = nullptr);
 
     const TileRanges* listed;
     gpu::ComputePass pass;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "base/threads/parallel.h"
@@ -168,6 +169,25 @@ Environment dark_environment() {
     out.levels.emplace_back(4);
     store(out.levels[0], 0, glm::vec3(0));
     return out;
+}
+
+SetEnvironment::SetEnvironment(const gpu::Device& device, const media::Image* source) : has_image(source != nullptr) {
+    const Environment environment = source ? make_environment(*source) : dark_environment();
+    std::vector<std::vector<uint8_t>> levels;
+    for (const std::vector<uint16_t>& level : environment.levels) {
+        levels.emplace_back(level.size() * sizeof(uint16_t));
+        std::memcpy(levels.back().data(), level.data(), levels.back().size());
+    }
+    image = gpu::DeviceImage(device, "environment",
+                             {environment.width, environment.height, VK_FORMAT_R16G16B16A16_SFLOAT,
+                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, VK_SAMPLE_COUNT_1_BIT,
+                              static_cast<uint32_t>(levels.size())});
+    gpu::upload_levels(device, image, levels);
+    gpu::SamplerShape shape;
+    shape.wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    sampler = gpu::Sampler(device, "environment", shape);
+    irradiance = environment.irradiance;
+    last_level = static_cast<float>(levels.size() - 1);
 }
 
 }  // namespace neuvv::render

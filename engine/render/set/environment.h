@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "gpu/image.h"
 #include "media/image.h"
 #include "render/set/set_lights.h"
 
@@ -22,6 +23,18 @@ Environment make_environment(const media::Image& image);
 
 // A black environment, which gives no light.
 Environment dark_environment();
+
+// An environment on the device. It does not change once it was made.
+struct SetEnvironment {
+    // `source`: as make_environment's image; null: no light. It is not needed afterwards.
+    SetEnvironment(const gpu::Device& device, const media::Image* source);
+
+    gpu::DeviceImage image;
+    gpu::Sampler sampler;
+    Irradiance irradiance{};
+    float last_level = 0;
+    bool has_image = false;
+};
 
 // The direction (unit) of the point (u, v) in [0,1]² of an environment image, from the upper left corner.
 glm::dvec3 environment_direction(double u, double v);

@@ -27,11 +27,11 @@ std::optional<WorldBox> box_of_casting(const FieldLevels& levels, std::span<cons
 
 }  // namespace
 
-PerformerShadows::PerformerShadows(const gpu::Device& device, SetRaster& given_set, uint32_t instances)
-    : set(given_set),
+PerformerShadows::PerformerShadows(const gpu::Device& device, SetLighting& given, uint32_t instances)
+    : lighting(given),
       target(device, kMaxShadows * (instances + 1), kMaxShadows * kMapTiles, kMaxShadows * kMapTiles),
       clearer(device, target),
-      blur(device, target.rays, set.performer_shadows) {
+      blur(device, target.rays, given.performer_shadows) {
     write_tiles({target, {kSide, kSide, 1, kMaxShadows}, {}});  // those of fewer lights come first
 }
 
@@ -40,12 +40,12 @@ void PerformerShadows::prepare_lights(const FieldLevels& levels, std::span<const
     cameras.clear();
     maps.clear();
     const std::optional<WorldBox> box = box_of_casting(levels, instances);
-    set.set_shadow_casters(box);
-    if (!box || !set.lights().performer_shadows) return;
-    for (uint32_t i = 0; i < set.lights().count; ++i) {
-        if (set.lights().light[i].shadow == kNoShadow) continue;
-        cameras.push_back(performer_shadow_camera(set.given_lights()[i], *box, kSide));
-        maps.push_back(set.lights().light[i].shadow);
+    lighting.set_shadow_casters(box);
+    if (!box || !lighting.lights().performer_shadows) return;
+    for (uint32_t i = 0; i < lighting.lights().count; ++i) {
+        if (lighting.lights().light[i].shadow == kNoShadow) continue;
+        cameras.push_back(performer_shadow_camera(lighting.given_lights()[i], *box, kSide));
+        maps.push_back(lighting.lights().light[i].shadow);
     }
 }
 

@@ -5,8 +5,7 @@
 
 #include "render/rays/clear_rays.h"
 #include "render/rays/view_layout.h"
-#include "render/set/set_lights.h"
-#include "render/set/set_raster.h"
+#include "render/set/set_lighting.h"
 #include "render/volume/field_levels.h"
 #include "render/volume/instance_cameras.h"
 #include "render/volume/shadow_blur.h"
@@ -14,16 +13,16 @@
 namespace neuvv::render {
 
 struct PerformerShadows {
-    // The maps are written to set.performer_shadows. `target` must be added to every performer (Performer::add_target,
-    // with kMaxShadows views). `instances` is the largest number of instances.
-    PerformerShadows(const gpu::Device& device, SetRaster& set, uint32_t instances);
+    // The maps are written to lighting.performer_shadows. `target` must be added to every performer
+    // (Performer::add_target, with kMaxShadows views). `instances` is the largest number of instances.
+    PerformerShadows(const gpu::Device& device, SetLighting& lighting, uint32_t instances);
 
-    // To be called before a frame and after SetRaster::light: finds the instances that cast shadows. Their fields are
+    // To be called before a frame and after SetLighting::light: finds the instances that cast shadows. Their fields are
     // indices into levels.all.
     void prepare(const FieldLevels& levels, std::span<const Instance> instances);
 
     void prepare_lights(const FieldLevels& levels, std::span<const Instance> instances);
-    SetRaster& set;
+    SetLighting& lighting;
     RayTarget target;
     RayClearer clearer;
     ShadowBlur blur;

@@ -5,7 +5,7 @@
 
 namespace neuvv::render {
 
-VolumeDepth::VolumeDepth(const gpu::Device& device, const RayBatch& rays, const SetRaster& given_set)
+VolumeDepth::VolumeDepth(const gpu::Device& device, const RayBatch& rays, const SetTargets& given_set)
     : pass(device, "volume depth", device.buffers().fitting(volume_depth_comp, volume_depth_comp_storage)),
       set(pass, {{kVolumeRadiance, &rays.radiance},
                  {kVolumeDepth, &rays.depth},

@@ -2,14 +2,14 @@
 #pragma once
 
 #include "render/rays/view_layout.h"
-#include "render/set/set_raster.h"
+#include "render/set/set_targets.h"
 #include "render/volume/trace.h"
 
 namespace neuvv::render {
 
 struct VolumeDepth {
     // Reads the rays, writes set.volume_depth.
-    VolumeDepth(const gpu::Device& device, const RayBatch& rays, const SetRaster& set);
+    VolumeDepth(const gpu::Device& device, const RayBatch& rays, const SetTargets& set);
 
     gpu::ComputePass pass;
     gpu::BindingSet set;
