@@ -4,203 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <limits>
 #include <map>
 #include <set>
 
 #include "base/error.h"
 #include "media/image.h"
 #include "training/data/image_reader.h"
+#include "training/data/layouts/nerf_images.h"
+#include "training/data/layouts/nerf_splits.h"
 #include "training/data/layouts/rig/calibration.h"
-#include "training/data/layouts/rig/camera_folders.h"
 #include "training/data/layouts/rig/camera_names.h"
 #include "training/data/layouts/rig/candidates.h"
-#include "training/data/layouts/rig/transforms.h"
 
 namespace neuvv::training {
 
 namespace {
-
-// Frames are of the same camera where these numbers are equal: pose and intrinsics as the file gives them.
-using CameraIdentity = std::vector<double>;
-
-CameraIdentity identity(const TransformsFrame& frame) {
-    constexpr double kAbsent = std::numeric_limits<double>::infinity();
-    const Intrinsics& in = frame.intrinsics;
-    CameraIdentity key = {in.fl_x.value_or(kAbsent),
-                          in.camera_angle_x.value_or(kAbsent),
-                          in.camera_angle_y.value_or(kAbsent),
-                          in.fl_y.value_or(kAbsent),
-                          in.cx.value_or(kAbsent),
-                          in.cy.value_or(kAbsent),
-                          1.0 * in.width,
-                          1.0 * in.height,
-                          static_cast<double>(in.lens_model),
-                          in.p1,
-                          in.p2};
-    key.insert(key.end(), in.k.begin(), in.k.end());
-    for (int i = 0; i < 12; ++i) key.push_back(frame.world_from_camera[i / 3][i % 3]);
-    return key;
-}
-
-// The number of each frame's camera, in order of first use.
-std::vector<uint32_t> number_cameras(const std::vector<TransformsFrame>& frames) {
-    std::map<CameraIdentity, uint32_t> seen;
-    std::vector<uint32_t> cameras;
-    cameras.reserve(frames.size());
-    for (const TransformsFrame& frame : frames)
-        cameras.push_back(seen.try_emplace(identity(frame), static_cast<uint32_t>(seen.size())).first->second);
-    return cameras;
-}
-
-bool holds_file(const std::filesystem::path& file) {
-    std::error_code ignored;
-    return std::filesystem::exists(file, ignored);
-}
-
-// The frames of a split, and the file that has them.
-struct SplitFrames {
-    std::filesystem::path file;
-    Transforms transforms;
-    std::vector<TransformsFrame> other_frames;  // of the other splits
-};
-
-constexpr const char* kSplitNames[] = {"train", "test", "val"};  // by Split
-
-const char* name_of(Split split) {
-    return kSplitNames[static_cast<size_t>(split)];
-}
-
-std::filesystem::path split_file(const std::filesystem::path& folder, const char* split) {
-    return folder / fmt::format("transforms_{}.json", split);
-}
-
-// Reads the training frames, and behind them those of the test.
-SplitFrames read_files_of_all_splits(const std::filesystem::path& folder) {
-    SplitFrames result;
-    for (const char* split : {"train", "test"}) {
-        const auto file = split_file(folder, split);
-        if (!holds_file(file)) continue;
-        Transforms transforms = read_transforms(file);
-        if (result.file.empty()) {
-            result.file = file;
-            result.transforms = std::move(transforms);
-        } else {
-            for (TransformsFrame& frame : transforms.frames) result.transforms.frames.push_back(std::move(frame));
-        }
-    }
-    if (result.file.empty())
-        throw InputError(split_file(folder, "train").string(), "", "does not exist", "give the training images' file");
-    return result;
-}
-
-// Reads transforms_train.json, transforms_test.json or transforms_val.json, each of which has the frames of one split.
-SplitFrames read_file_of_split(const std::filesystem::path& folder, Split split) {
-    if (split == Split::kAll) return read_files_of_all_splits(folder);
-    SplitFrames result;
-    result.file = split_file(folder, name_of(split));
-    result.transforms = read_transforms(result.file);
-    for (const char* other : kSplitNames) {
-        const auto file = split_file(folder, other);
-        if (file == result.file || !holds_file(file)) continue;
-        for (TransformsFrame& frame : read_transforms(file).frames) result.other_frames.push_back(std::move(frame));
-    }
-    return result;
-}
-
-std::string normal(const std::string& path) {
-    return std::filesystem::path(path).lexically_normal().generic_string();
-}
-
-// Which frames are of the split by nerfstudio's lists.
-std::vector<bool> members_by_list(const std::string& file, const Transforms& all, Split split) {
-    std::map<std::string, size_t> list_of;
-    for (size_t s = 0; s < all.split_files.size(); ++s)
-        for (const std::string& path : all.split_files[s].value_or(std::vector<std::string>()))
-            if (const auto [at, fresh] = list_of.try_emplace(normal(path), s); !fresh && at->second != s)
-                throw InputError(file, fmt::format("{}_filenames", kSplitNames[s]),
-                                 fmt::format("names {}, which is in {}_filenames, too", path, kSplitNames[at->second]),
-                                 "keep training and test apart");
-    std::vector<bool> members;
-    std::set<std::string> frames;
-    for (const TransformsFrame& frame : all.frames) {
-        const auto listed = list_of.find(*frames.insert(normal(frame.file_path)).first);
-        members.push_back(listed != list_of.end() && listed->second == static_cast<size_t>(split));
-    }
-    for (const auto& [path, s] : list_of)
-        if (!frames.contains(path))
-            throw InputError(file, fmt::format("{}_filenames", kSplitNames[s]),
-                             fmt::format("names {}, which is no file_path of a frame", path), "correct the list");
-    if (std::find(members.begin(), members.end(), true) == members.end())
-        throw InputError(file, fmt::format("{}_filenames", name_of(split)), "is missing or empty",
-                         "name the images of that split");
-    return members;
-}
-
-// Which frames are of the split where every 8th camera is held out for the test.
-std::vector<bool> members_by_camera(const std::string& file, const Transforms& all, Split split) {
-    if (split == Split::kVal)
-        throw InputError(file, "", "has no validation split", "give val_filenames or transforms_val.json");
-    const std::vector<uint32_t> cameras = number_cameras(all.frames);
-    if (*std::max_element(cameras.begin(), cameras.end()) == 0)
-        throw InputError(file, "frames", "has one camera, and one must be held out for the test",
-                         "give two cameras or more, transforms_train.json and transforms_test.json, or `--holdout 0`");
-    std::vector<bool> members;
-    for (const uint32_t camera : cameras) members.push_back((camera % kHoldOut == 0) == (split == Split::kTest));
-    return members;
-}
-
-SplitFrames read_shared_file(const std::filesystem::path& folder, Split split) {
-    SplitFrames result;
-    result.file = folder / "transforms.json";
-    Transforms& all = result.transforms = read_transforms(result.file);
-    if (split == Split::kAll) return result;
-    const bool listed =
-        std::any_of(all.split_files.begin(), all.split_files.end(), [](const auto& list) { return list.has_value(); });
-    const std::vector<bool> members = (listed ? members_by_list : members_by_camera)(result.file.string(), all, split);
-    std::vector<TransformsFrame> kept;
-    for (size_t i = 0; i < all.frames.size(); ++i) {
-        (members[i] ? kept : result.other_frames).push_back(std::move(all.frames[i]));
-    }
-    all.frames = std::move(kept);
-    return result;
-}
-
-SplitFrames read_split(const std::filesystem::path& folder, Split split) {
-    const bool one_file_each = std::any_of(std::begin(kSplitNames), std::end(kSplitNames),
-                                           [&](const char* name) { return holds_file(split_file(folder, name)); });
-    return one_file_each ? read_file_of_split(folder, split) : read_shared_file(folder, split);
-}
-
-// The image `path`, or `path` with the extension of an image, as D-NeRF gives none; empty where there is neither.
-std::filesystem::path image_at(const std::filesystem::path& folder, const std::string& path) {
-    std::error_code ignored;
-    for (const char* ending : {"", ".png", ".jpg", ".jpeg"}) {
-        std::filesystem::path candidate = folder / (path + ending);
-        if (std::filesystem::is_regular_file(candidate, ignored)) return candidate;
-    }
-    return {};
-}
-
-// Where a path has no ending, the .png counts, as in D-NeRF's own loader.
-void note_endings(Rig& rig, const std::vector<TransformsFrame>& frames) {
-    size_t count = 0;
-    std::string first, other;
-    for (const TransformsFrame& frame : frames) {
-        const std::filesystem::path image = image_at(rig.folder, frame.file_path);
-        if (image.empty() || image == rig.folder / frame.file_path) continue;
-        for (const char* ending : {".png", ".jpg", ".jpeg"}) {
-            const std::filesystem::path twin = rig.folder / (frame.file_path + ending);
-            if (twin == image || !holds_file(twin) || count++ > 0) continue;
-            first = image.lexically_relative(rig.folder).string();
-            other = twin.lexically_relative(rig.folder).string();
-        }
-    }
-    if (count > 0)
-        rig.remarks.push_back(choice_remark(first, {other}) +
-                              (count > 1 ? fmt::format(", and alike in {} cases", count) : ""));
-}
 
 // Other transforms files of the folder. Those of the other splits are no alternatives.
 void note_other_files(Rig& rig) {
@@ -208,9 +26,7 @@ void note_other_files(Rig& rig) {
     const std::string read = std::filesystem::path(rig.file).filename().string();
     for (const auto& entry : entries_of(rig.folder)) {
         const std::string name = entry.filename().string();
-        const bool of_split = read != "transforms.json" && std::ranges::any_of(kSplitNames, [&](const char* split) {
-                                  return entry == split_file(rig.folder, split);
-                              });
+        const bool of_split = read != "transforms.json" && is_split_file(rig.folder, entry);
         if (name.starts_with("transforms") && name.ends_with(".json") && name != read && !of_split)
             others.push_back(name);
     }
@@ -232,104 +48,6 @@ void note_contradicting_angle(Rig& rig, const Intrinsics& in, const RigCamera& c
     const std::string rest = remark.substr(place.size());
     if (std::ranges::none_of(rig.remarks, [&](const std::string& other) { return other.ends_with(rest); }))
         rig.remarks.push_back(remark);
-}
-
-std::filesystem::path find_image(const Rig& rig, const std::string& path, const std::string& place) {
-    const std::filesystem::path image = image_at(rig.folder, path);
-    if (!image.empty()) return image;
-    throw InputError(rig.file, place, fmt::format("there is no image {0} nor {0}.png", (rig.folder / path).string()),
-                     "put it there or correct the path");
-}
-
-// A frame of the file, or one image of the folder or of the video that it names: its file_path then ends in the name of
-// the image, or in the number of the video's frame.
-struct ImageFrame {
-    TransformsFrame frame;
-    ImageSource image, mask;
-};
-
-// The images of a folder or a video, and their masks.
-struct Sequence {
-    Frames frames, masks;
-};
-using Sequences = std::map<std::string, Sequence>;  // by file_path
-
-// Those that frames of all splits name. Frames of videos are named by their times.
-Sequences find_sequences(Rig& rig, const std::vector<TransformsFrame>& first,
-                         const std::vector<TransformsFrame>& others) {
-    std::map<std::string, CameraFrames> found;
-    for (const std::vector<TransformsFrame>* frames : {&first, &others})
-        for (const TransformsFrame& from : *frames) {
-            const std::filesystem::path path = rig.folder / from.file_path, mask = rig.folder / from.mask_path;
-            const std::filesystem::path image = image_at(rig.folder, from.file_path);
-            if (from.file_path.empty() || (!image.empty() && !is_video(image)) || found.contains(from.file_path))
-                continue;
-            CameraFrames camera;
-            camera.camera.name = without_extension(path.filename().string());
-            camera.frames = image.empty() ? images_in(path) : frames_of_video(path);
-            if (camera.frames.empty()) continue;
-            if (!from.mask_path.empty())
-                camera.masks =
-                    masks_of_camera(mask.parent_path(), without_extension(mask.filename().string()), camera.frames);
-            found[from.file_path] = std::move(camera);
-        }
-    std::vector<CameraFrames> cameras;
-    for (const auto& [path, camera] : found) cameras.push_back(camera);
-    name_by_time(rig, cameras);
-    Sequences sequences;
-    for (size_t i = 0; const auto& [path, camera] : found) {
-        sequences[path] = {std::move(cameras[i].frames), std::move(cameras[i].masks)};
-        ++i;
-    }
-    return sequences;
-}
-
-// The images of a frame that names a folder or a video; empty where it names an image, or what does not exist.
-std::vector<ImageFrame> images_of_sequence(const Rig& rig, const TransformsFrame& from, const Sequences& sequences) {
-    const auto found = sequences.find(from.file_path);
-    if (found == sequences.end()) return {};
-    if (from.time)
-        throw InputError(rig.file, from.place + ".time", "is given beside a file_path of many images",
-                         "remove it: images of the same name, or moment of their videos, are of the same time");
-    const auto& [frames, masks] = found->second;
-    std::vector<ImageFrame> result;
-    for (const auto& [name, source] : frames) {
-        ImageFrame added{from, source, masks.empty() ? ImageSource() : masks.at(name)};
-        const std::filesystem::path camera(from.file_path);
-        added.frame.file_path =
-            (camera.parent_path() / without_extension(camera.filename().string()) / (name + ".png")).generic_string();
-        added.frame.place += fmt::format(", image {}", name);
-        result.push_back(std::move(added));
-    }
-    return result;
-}
-
-std::vector<ImageFrame> image_frames(const Rig& rig, const std::vector<TransformsFrame>& frames,
-                                     const Sequences& sequences) {
-    std::vector<ImageFrame> result;
-    for (const TransformsFrame& frame : frames) {
-        if (frame.file_path.empty()) throw InputError(rig.file, frame.place, "has no file_path", "name its image");
-        std::vector<ImageFrame> sequence = images_of_sequence(rig, frame, sequences);
-        if (sequence.empty()) {
-            sequence.push_back({frame, {find_image(rig, frame.file_path, frame.place + ".file_path"), -1}, {}});
-            if (!frame.mask_path.empty())
-                sequence[0].mask.path = find_image(rig, frame.mask_path, frame.place + ".mask_path");
-        }
-        std::ranges::move(sequence, std::back_inserter(result));
-    }
-    return result;
-}
-
-// The frames of the other splits, with their sequences spread out. Their images need not exist.
-std::vector<TransformsFrame> spread_frames(const Rig& rig, const std::vector<TransformsFrame>& frames,
-                                           const Sequences& sequences) {
-    std::vector<TransformsFrame> result;
-    for (const TransformsFrame& frame : frames) {
-        const std::vector<ImageFrame> sequence = images_of_sequence(rig, frame, sequences);
-        if (sequence.empty()) result.push_back(frame);
-        for (const ImageFrame& image : sequence) result.push_back(image.frame);
-    }
-    return result;
 }
 
 std::string stem(const TransformsFrame& frame) {
@@ -484,9 +202,7 @@ void name_shots(Rig& rig, const std::vector<ImageFrame>& frames, const std::vect
 }  // namespace
 
 bool has_nerf_files(const std::filesystem::path& folder) {
-    for (const char* name : kSplitNames)
-        if (holds_file(split_file(folder, name))) return true;
-    return holds_file(folder / "transforms.json");
+    return has_split_files(folder) || holds_file(folder / "transforms.json");
 }
 
 Rig read_nerf_rig(const std::filesystem::path& folder, Split split) {

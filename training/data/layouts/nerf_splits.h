@@ -1,0 +1,33 @@
+// Which frames of transforms files are of a split, and of which camera.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "training/data/layouts/rig/rig.h"
+#include "training/data/layouts/rig/transforms.h"
+
+namespace neuvv::training {
+
+// The frames of a split, and the file that has them.
+struct SplitFrames {
+    std::filesystem::path file;
+    Transforms transforms;
+    std::vector<TransformsFrame> other_frames;  // of the other splits
+};
+
+// Of transforms_train.json and the like, or of transforms.json. Throws InputError.
+SplitFrames read_split(const std::filesystem::path& folder, Split split);
+
+// Whether the folder has a file of one split, such as transforms_train.json, or whether `file` is one of them.
+bool has_split_files(const std::filesystem::path& folder);
+bool is_split_file(const std::filesystem::path& folder, const std::filesystem::path& file);
+
+// The number of each frame's camera, in order of first use. Frames are of one camera where pose and intrinsics are
+// equal.
+std::vector<uint32_t> number_cameras(const std::vector<TransformsFrame>& frames);
+
+// Whether there is such a file; false where that cannot be asked.
+bool holds_file(const std::filesystem::path& file);
+
+}  // namespace neuvv::training
