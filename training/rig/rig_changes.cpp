@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "training/tree/hull_box.h"
 
 namespace neuvv::training {
 
@@ -30,6 +31,19 @@ std::vector<bool> left_out(const RigChanges& changes) {
     for (const double late : changes.frames_late) out.push_back(is_between_frames(late));
     if (static_cast<size_t>(std::ranges::count(out, true)) * kMostLeftOut > out.size()) out.assign(out.size(), false);
     return out;
+}
+
+std::vector<RefinedPose> refined_poses(const RigChanges& changes, const Dataset& dataset) {
+    if (changes.poses.empty()) return {};
+    std::vector<RefinedPose> poses;
+    const auto [low, high] = first_box(dataset);
+    const glm::dvec3 centre = 0.5 * (low + high);
+    for (size_t i = 0; i < changes.poses.size(); ++i) {
+        const stage::Camera& given = dataset.cameras[i];
+        poses.push_back({changes.poses[i], image_motion(given, changes.poses[i], centre),
+                         is_at_bound(changes.poses[i], pose_bounds(given, centre))});
+    }
+    return poses;
 }
 
 void apply(const RigChanges& changes, Dataset& dataset) {

@@ -30,6 +30,15 @@ bool is_between_frames(double frames_late);
 // the rig as a whole has no common frames, and images that blend them are better than none.
 std::vector<bool> left_out(const RigChanges& changes);
 
+// What the change of one camera's pose comes to.
+struct RefinedPose {
+    PoseChange change;
+    double motion_px;  // image_motion() of the change
+    bool at_bound;
+};
+// By camera; empty where poses do not change. To be called before apply().
+std::vector<RefinedPose> refined_poses(const RigChanges& changes, const Dataset& dataset);
+
 // Moves the cameras, moves images of cameras that are late by whole frames to the frames that they show, and removes
 // images that are left out or beyond the clip. Throws InputError where a frame would be left without an image. The
 // changes must be of as many cameras (assert).

@@ -71,4 +71,16 @@ void change_tree(const TreeChange& change, voctree::VOctree& tree, LeafUse use) 
     if (!coarse && !has(run.left_out, OptionalPart::kRevive)) revive_holes(tree);
 }
 
+uint32_t save_within_bytes(const std::filesystem::path& nvv, uint64_t max_bytes, const Dataset& dataset,
+                           const voctree::VOctree& tree, const LeafUse& use, ClipSize size) {
+    while (size.bytes > max_bytes && size.leaves > 1) {
+        GrowSettings settings;
+        settings.max_leaves =
+            std::clamp(static_cast<uint32_t>(max_bytes * size.leaves / size.bytes), 1u, size.leaves - 1);
+        size.leaves = save_compact(nvv, grow(dataset, tree, use, settings), dataset.frame);
+        size.bytes = std::filesystem::file_size(nvv);
+    }
+    return size.leaves;
+}
+
 }  // namespace neuvv::training

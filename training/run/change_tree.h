@@ -1,4 +1,5 @@
-// What happens to the tree of a run where a phase begins (schedule.h): leaves merge, are removed, divide and revive.
+// What happens to the tree of a run where a phase begins (schedule.h): leaves merge, are removed, divide and revive;
+// and to the finished clip where it is too large.
 #pragma once
 
 #include "training/data/dataset.h"
@@ -18,5 +19,14 @@ struct TreeChange {
 
 // Changes the tree. `use`: of its leaves, since it last changed.
 void change_tree(const TreeChange& change, voctree::VOctree& tree, LeafUse use);
+
+struct ClipSize {
+    uint32_t leaves;
+    uint64_t bytes;
+};
+// Writes the .nvv again without leaves of lowest maximum weight, until it has at most `max_bytes`; the tree keeps all
+// leaves. `size`: of the .nvv so far. Returns how many leaves it then has.
+uint32_t save_within_bytes(const std::filesystem::path& nvv, uint64_t max_bytes, const Dataset& dataset,
+                           const voctree::VOctree& tree, const LeafUse& use, ClipSize size);
 
 }  // namespace neuvv::training

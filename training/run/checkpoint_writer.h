@@ -32,9 +32,14 @@ class CheckpointWriter {
     // small one took does not grow with the tree.
     double next_will_take_s(uint32_t tree_leaves) const;
 
+    // Whether a checkpoint is due after `every_s`, or later, so that they take a twentieth of the time at most. A run
+    // that ends sooner than its checkpoint is written would only have to wait for it.
+    bool is_due(double every_s, double seconds_left, uint32_t tree_leaves) const;
+
   private:
     std::future<Written> writing_;
     Written last_;
+    double began_at_ = 0;  // when the state of the last checkpoint had been read
 };
 
 }  // namespace neuvv::training

@@ -60,12 +60,6 @@ constexpr double kDefaultMinutes = 20;
 // too few steps (RESULTS.md, "On a GPU"), so the `members` of a team share the tiles of one GPU, down to 512 each.
 uint32_t default_tiles_per_step(const gpu::Device& device, uint32_t members = 1);
 
-struct RefinedPose {
-    PoseChange change;
-    double motion_px;  // image_motion() of the change
-    bool at_bound;
-};
-
 struct TrainProgress {
     double elapsed_s = 0, eta_s = 0;
     double other_s = 0;   // of elapsed_s, what was no step: loading, changes of the tree, checkpoints, callbacks
