@@ -1,11 +1,15 @@
 // Samples of a slice with slots: march_wants stops the walk at live leaves, and sample_colour is the colour of such a
-// leaf along the ray. The includer declares the arrays `tree_nodes`, `tree_links`, `node_live`, `head` and
-// `slice_sh`, and calls sample_begin for its ray.
+// leaf along the ray. The includer declares the arrays `tree_nodes` and `tree_links`, and calls
+// sample_begin for its ray.
 #ifndef NEUVV_SLICE_SAMPLE_GLSL
 #define NEUVV_SLICE_SAMPLE_GLSL
 #include "arrays.glsl"
 #include "trace/march.glsl"
 #include "slice/sh.glsl"
+
+READ_ARRAY(uvec2, kTraceNodeLive, node_live);
+READ_ARRAY(uvec2, kTraceHead, head);
+READ_ARRAY(vec4, kTraceSh, slice_sh);
 
 float sh_y[kMaxShCount];
 float sigma;  // 1/m, of the leaf that the walk stopped at

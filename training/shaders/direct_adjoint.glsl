@@ -2,30 +2,14 @@
 // reference for the speed and correctness of trace_adjoint.glsl and slice_adjoint.comp together. It reads what
 // direct.comp reads and adds to `gradients`, which is laid out as the weights. One workgroup per tile, one thread per
 // ray. It is bound by its atomic additions: per sample 8 for each busy plane, and 3·N_HH.
-#include "arrays.glsl"
-#include "shared/training.h"
+#include "adjoint_bindings.glsl"
 
-layout(local_size_x = kTilePixels) in;
-layout(constant_id = 0) const uint kHhDegree = 2u;
-layout(constant_id = 1) const uint kNodeLevels = 4u;
-layout(constant_id = 2) const uint kTopLevels = 2u;
 layout(constant_id = 3) const uint kBasisPlanes = 8u;
 layout(constant_id = 4) const uint kBusyPlanes = 8u;
 const bool kHalfWeights = false, kWeightsByAddress = false;
-READ_ARRAY(uint, kTraceLinks, tree_links);
-READ_ARRAY(uvec4, kTraceNodes, tree_nodes);
 READ_ARRAY(any4, kTraceWeights, leaf_weights);
 layout(binding = kTraceRows, std140) uniform Rows { BasisRows rows; };
-layout(binding = kTraceCameras) uniform textureBuffer cameras;
-layout(binding = kTraceTiles) uniform utextureBuffer tiles;
-READ_ARRAY(vec4, kTraceRadiance, radiance);
-READ_ARRAY(vec4, kTraceAdjoint, adjoint);
-READ_ARRAY(vec4, kTraceTarget, target);
-layout(push_constant) uniform Push { TraceAdjointPush push; };
-#define NEUVV_GRADIENTS_BINDING kTraceGradients
-#include "gradient_add.glsl"
 #include "trace/direct_sample.glsl"
-#include "rays/every_tile.glsl"
 #include "ray_adjoint.glsl"
 
 // The index of the first of the four gradients that the leaf has in a plane.
