@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace neuvv::coach {
 
@@ -92,6 +93,12 @@ std::optional<double> Session::stage_time_of(const stage::Stage& stage, double c
         if (!nearest || std::abs(at - stage_s) < std::abs(*nearest - stage_s)) nearest = at;
     }
     return nearest;
+}
+
+nlohmann::json Session::facts() const {
+    nlohmann::json red;
+    for (size_t i = 0; i < motion::kLimbs; ++i) red[motion::kLimbNames[i]] = coach_->red()[i];
+    return {{"trainer", name_}, {"score", coach_->feedback().score}, {"red", red}, {"remarks", coach_->remarks()}};
 }
 
 std::vector<std::string> Session::take_notices() {

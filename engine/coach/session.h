@@ -1,6 +1,8 @@
 // A session: somebody performs along with a performer of an open stage, which may be edited meanwhile.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "coach/coach.h"
 #include "coach/guide.h"
 #include "coach/trainer.h"
@@ -43,6 +45,9 @@ class Session {
     // The stage time at which the clip shows clip_s, the nearest to stage_s within the stage; nothing where the clip
     // never does.
     std::optional<double> stage_time_of(const stage::Stage& stage, double clip_s, double stage_s) const;
+
+    // Trainer, score, red limbs and remarks, for tests of the window and the headset. Only while a session runs.
+    nlohmann::json facts() const;
 
     // What became of the source since the last call, for the user: "the trainee's motion has stopped".
     std::vector<std::string> take_notices();

@@ -142,16 +142,11 @@ void Coaching::write_report(Context& context) const {
 
 nlohmann::json Coaching::facts() const {
     if (!is_running()) return nullptr;
-    const coach::Coach& coach = session_.coach();
-    nlohmann::json red;
-    for (size_t i = 0; i < motion::kLimbs; ++i) red[motion::kLimbNames[i]] = coach.red()[i];
-    return {{"trainer", session_.trainer_name()},
-            {"score", coach.feedback().score},
-            {"red", red},
-            {"remarks", coach.remarks()},
-            {"speed", coach.clip_speed()},
-            {"recorded", coach.recorded().frames.size()},
-            {"poses", session_.source() ? session_.source()->state().poses : 0}};
+    nlohmann::json facts = session_.facts();
+    facts["speed"] = session_.coach().clip_speed();
+    facts["recorded"] = session_.coach().recorded().frames.size();
+    facts["poses"] = session_.source() ? session_.source()->state().poses : 0;
+    return facts;
 }
 
 }  // namespace neuvv::viewer

@@ -121,16 +121,11 @@ void Coaching::show_best_view() {
 
 nlohmann::json Coaching::facts() const {
     if (!is_running()) return nullptr;
-    const coach::Coach& coach = session_.coach();
-    nlohmann::json red;
-    for (size_t i = 0; i < motion::kLimbs; ++i) red[motion::kLimbNames[i]] = coach.red()[i];
-    return {{"trainer", session_.trainer_name()},
-            {"score", coach.feedback().score},
-            {"red", red},
-            {"remarks", coach.remarks()},
-            {"ghost", coach.ghost().has_value()},
-            {"mode", coach::kModeNames[static_cast<size_t>(settings.mode)]},
-            {"trainer_turned_deg", glm::degrees(turn_.angle_rad())}};
+    nlohmann::json facts = session_.facts();
+    facts["ghost"] = session_.coach().ghost().has_value();
+    facts["mode"] = coach::kModeNames[static_cast<size_t>(settings.mode)];
+    facts["trainer_turned_deg"] = glm::degrees(turn_.angle_rad());
+    return facts;
 }
 
 void draw_guide(xr::EyeShapes& shapes, const std::vector<coach::GuideLine>& lines) {
