@@ -1,11 +1,9 @@
 #include "tools/unfinished_clip.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 
-#include <cstdio>
-
 #include "base/error.h"
+#include "base/platform.h"
 #include "tools/results.h"
 #include "voctree/files/clip_index.h"
 
@@ -25,7 +23,7 @@ std::filesystem::path name_of_replaced(const std::filesystem::path& clip) {
 // aside, and returns where it cannot be replaced.
 void replace_clip(const std::filesystem::path& made, const std::filesystem::path& clip, std::error_code& error) {
     std::error_code ignored;
-    if (renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, clip.c_str(), RENAME_EXCHANGE) == 0) {
+    if (exchange_files(made, clip)) {
         std::filesystem::remove_all(made, ignored);
         return;
     }

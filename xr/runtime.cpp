@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "base/platform.h"
 #include "xr/bindings.h"
 #include "xr/body_tracking_types.h"
 #include "xr/newer_types.h"
@@ -99,7 +100,7 @@ const char* blend_mode_name(XrEnvironmentBlendMode mode) {
 
 // XR_LOADER_DEBUG keeps the loader from printing: its lines say less than the messages of this program.
 Runtime::Runtime(ViewChoice choice) {
-    if (!std::getenv("XR_LOADER_DEBUG")) setenv("XR_LOADER_DEBUG", "none", 1);
+    set_environment_default("XR_LOADER_DEBUG", "none");
     offered_ = offered_extensions();
     create_instance();
     find_headset();

@@ -8,6 +8,8 @@
 
 namespace neuvv {
 
+constexpr int kStandardInput = 0;  // its descriptor
+
 class LineReader {
   public:
     enum class Result { kLine, kNothing, kEnd };

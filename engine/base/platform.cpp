@@ -101,10 +101,25 @@ bool folder_is_writable(const std::filesystem::path& folder) {
     return ::access(folder.c_str(), W_OK | X_OK) == 0;
 }
 
+bool exchange_files(const std::filesystem::path& a, const std::filesystem::path& b) {
+    return renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0;
+}
+
+std::filesystem::path make_private_folder(const std::filesystem::path& beginning) {
+    std::string name = beginning.string() + "XXXXXX";
+    if (!mkdtemp(name.data())) throw RuntimeFailure(fmt::format("{}: cannot be made: {}", name, std::strerror(errno)));
+    return name;
+}
+
 uint64_t peak_memory_bytes() {
     struct rusage usage {};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+uint64_t allocated_bytes() {
+    const struct mallinfo2 heap = mallinfo2();
+    return heap.uordblks + heap.hblkhd;  // small blocks, and those with pages of their own
 }
 
 void return_freed_memory() {
@@ -226,6 +241,18 @@ void* function_of_loaded_library(const char* library, const char* function) {
     void* address = dlsym(handle, function);
     dlclose(handle);  // the library stays loaded by its first user
     return address;
+}
+
+void* load_library(const char* library) {
+    return dlopen(library, RTLD_NOW | RTLD_GLOBAL);
+}
+
+void* symbol_of(void* library, const char* name) {
+    return dlsym(library, name);
+}
+
+void set_environment_default(const char* variable, const char* value) {
+    setenv(variable, value, 0);
 }
 
 std::filesystem::path program_file() {

@@ -1,5 +1,5 @@
-// Every call that differs between operating systems, but for child_program.h, memory_group.h, new_file.h, file_lock.h,
-// udp_socket.h and line_reader.h. A port to another system is a second file of each.
+// Every call that differs between operating systems, but for those of the neighbours that README.md names. A port to
+// another system is a second file of each.
 #pragma once
 
 #include <cstddef>
@@ -27,8 +27,16 @@ std::vector<uint8_t> read_file(const std::filesystem::path& path, uint64_t limit
 // Whether this process may make files in an existing folder.
 bool folder_is_writable(const std::filesystem::path& folder);
 
+// Exchanges two files or folders at once; false where the file system cannot do that.
+bool exchange_files(const std::filesystem::path& a, const std::filesystem::path& b);
+// A new folder of this user alone, whose name begins as given. Throws RuntimeFailure.
+std::filesystem::path make_private_folder(const std::filesystem::path& beginning);
+
 // Peak resident memory of this process, in bytes.
 uint64_t peak_memory_bytes();
+
+// Bytes that the C library has given out and that are not freed yet.
+uint64_t allocated_bytes();
 
 // Gives freed memory back to the system that the C library keeps for later allocations. It takes some milliseconds: to
 // be called between large tasks, so that what one of them took does not add to the peak of the next.
@@ -88,6 +96,15 @@ void open_standard_streams();
 // A function of a library that is already in the process, for instance because a debugger loaded it; null where there
 // is none. The library is not loaded by this call.
 void* function_of_loaded_library(const char* library, const char* function);
+
+// Loads a library for the rest of the process, among whose symbols it also finds its own plug-ins'; null where there is
+// none of this name.
+void* load_library(const char* library);
+// A function or an object of it; null where it has none of this name.
+void* symbol_of(void* library, const char* name);
+
+// Sets a variable of the environment, for libraries that read it, unless the user has set it.
+void set_environment_default(const char* variable, const char* value);
 
 // The file of the program that is running.
 std::filesystem::path program_file();

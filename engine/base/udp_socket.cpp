@@ -110,4 +110,24 @@ std::string UdpSocket::name() const {
     return fmt::format("{}:{}", host_, sender_of(bound).port);
 }
 
+UdpOutput::UdpOutput(uint16_t port) : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(port);
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (socket_ >= 0 && connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0) return;
+    const int error = errno;
+    if (socket_ >= 0) close(socket_);
+    throw RuntimeFailure(fmt::format("cannot send to port {}: {}", port, std::strerror(error)));
+}
+
+UdpOutput::~UdpOutput() {
+    close(socket_);
+}
+
+void UdpOutput::send(std::span<const uint8_t> packet) const {
+    if (::send(socket_, packet.data(), packet.size(), 0) != static_cast<ssize_t>(packet.size()))
+        throw RuntimeFailure(fmt::format("cannot send a packet: {}", std::strerror(errno)));
+}
+
 }  // namespace neuvv

@@ -1,4 +1,4 @@
-// UDP packets that arrive at a port of this machine.
+// UDP packets that arrive at a port of this machine, or that this program sends to one.
 #pragma once
 
 #include <array>
@@ -46,6 +46,21 @@ class UdpSocket {
     int socket_ = -1;
     std::string host_;
     std::vector<uint8_t> buffer_;
+};
+
+class UdpOutput {
+  public:
+    // Sends to a port of this machine. Throws RuntimeFailure, as send() does.
+    explicit UdpOutput(uint16_t port);
+    ~UdpOutput();
+    UdpOutput(const UdpOutput&) = delete;
+    UdpOutput& operator=(const UdpOutput&) = delete;
+
+    // The packet waits at the port when this returns.
+    void send(std::span<const uint8_t> packet) const;
+
+  private:
+    int socket_ = -1;
 };
 
 }  // namespace neuvv

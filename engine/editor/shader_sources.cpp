@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <sstream>
 
 #include "base/child_program.h"
@@ -34,10 +31,7 @@ struct PrivateFolder {
     std::filesystem::path path;
     PrivateFolder() {
         const std::filesystem::path own = cache_folder();
-        std::string name = ((own.empty() ? std::filesystem::temp_directory_path() : own) / "shader-XXXXXX").string();
-        if (!mkdtemp(name.data()))
-            throw RuntimeFailure(fmt::format("{}: cannot be made: {}", name, std::strerror(errno)));
-        path = name;
+        path = make_private_folder((own.empty() ? std::filesystem::temp_directory_path() : own) / "shader-");
     }
     ~PrivateFolder() {
         std::error_code error;

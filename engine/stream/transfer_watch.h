@@ -1,19 +1,15 @@
 // What a request to a server may do: how long a block may take, and where redirects may lead.
 #pragma once
 
-#include <sys/socket.h>
-
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 
-namespace neuvv::stream {
+#include "base/nearness.h"
 
-// How near to this machine a network address is.
-enum class Nearness { kPublic, kOwnNetwork, kOwnMachine };
-Nearness nearness_of(const sockaddr& address);
+namespace neuvv::stream {
 
 // Redirects may not lead nearer to this machine than the address does that was asked: else a stage of somebody else, or
 // the server that it names, could make this program ask the router, or a service that trusts this machine. An object is

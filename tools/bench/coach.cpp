@@ -1,6 +1,5 @@
 // neuvv-bench coach: what a trainee adds to a frame, from the packet with a pose to the red limb.
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <chrono>
 #include <cmath>
@@ -187,11 +186,6 @@ struct HeapGrowth {
     size_t early = 0, late = 0;
 };
 
-size_t heap_in_use() {
-    const struct mallinfo2 heap = mallinfo2();
-    return heap.uordblks + heap.hblkhd;  // small blocks, and those with pages of their own
-}
-
 HeapGrowth measure_heap(Lesson& lesson, uint32_t packets) {
     HeapGrowth heap;
     tools::Progress progress("packets", packets);
@@ -200,10 +194,10 @@ HeapGrowth measure_heap(Lesson& lesson, uint32_t packets) {
         lesson.send_pose(now_s);
         const std::optional<motion::TimedPose> pose = lesson.source->newest(now_s);
         lesson.coach.update(pose, now_s, lesson.clip_time(lesson.shown(now_s)));
-        if (i + 1 == (packets + 9) / 10) heap.early = heap_in_use();
+        if (i + 1 == (packets + 9) / 10) heap.early = allocated_bytes();
         progress.update(i + 1);
     }
-    heap.late = heap_in_use();
+    heap.late = allocated_bytes();
     const uint64_t poses = lesson.source->state().poses;
     if (!stop_requested() && poses != packets)
         throw RuntimeFailure(fmt::format("{} poses came of {} packets", poses, packets));

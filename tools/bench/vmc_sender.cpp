@@ -1,15 +1,7 @@
 #include "tools/bench/vmc_sender.h"
 
-#include <fmt/format.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <bit>
-#include <cstring>
 #include <glm/gtc/quaternion.hpp>
-
-#include "base/error.h"
 
 namespace neuvv::bench {
 
@@ -107,24 +99,7 @@ std::vector<uint8_t> vmc_packet(const motion::Pose& pose, const std::array<doubl
     return packet;
 }
 
-VmcSender::VmcSender(const std::string& listener) : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(static_cast<uint16_t>(std::stoul(listener.substr(listener.rfind(':') + 1))));
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (socket_ >= 0 && connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0) return;
-    const int error = errno;
-    if (socket_ >= 0) close(socket_);
-    throw RuntimeFailure(fmt::format("cannot send to {}: {}", listener, std::strerror(error)));
-}
-
-VmcSender::~VmcSender() {
-    close(socket_);
-}
-
-void VmcSender::send(std::span<const uint8_t> packet) const {
-    if (::send(socket_, packet.data(), packet.size(), 0) != static_cast<ssize_t>(packet.size()))
-        throw RuntimeFailure(fmt::format("cannot send a packet: {}", std::strerror(errno)));
-}
+VmcSender::VmcSender(const std::string& listener)
+    : output_(static_cast<uint16_t>(std::stoul(listener.substr(listener.rfind(':') + 1)))) {}
 
 }  // namespace neuvv::bench

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "motion/skeleton/skeleton.h"
+#include "base/udp_socket.h"
+#include "motion/skeleton.h"
 
 namespace neuvv::bench {
 
@@ -18,15 +19,10 @@ class VmcSender {
   public:
     // The address of a listener, as PoseSource::name() has it: "VMC on 127.0.0.1:39539". Throws RuntimeFailure.
     explicit VmcSender(const std::string& listener);
-    ~VmcSender();
-    VmcSender(const VmcSender&) = delete;
-    VmcSender& operator=(const VmcSender&) = delete;
-
-    // The packet waits at the port when this returns. Throws RuntimeFailure.
-    void send(std::span<const uint8_t> packet) const;
+    void send(std::span<const uint8_t> packet) const { output_.send(packet); }
 
   private:
-    int socket_ = -1;
+    UdpOutput output_;
 };
 
 }  // namespace neuvv::bench

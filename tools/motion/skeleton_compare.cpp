@@ -1,6 +1,5 @@
 // neuvv skeleton compare and follow: what a trainee does otherwise than a trainer.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -202,7 +201,7 @@ void run_follow(FollowOptions& options) {
         advice = source->advice();
         left_out = follow_port(*source, follower);
     } else if (options.stream == "-") {
-        LineReader lines(STDIN_FILENO, motion::kLongestPoseLine);
+        LineReader lines(kStandardInput, motion::kLongestPoseLine);
         left_out = follow_lines(lines, name, follower);
     } else {
         LineReader lines(std::filesystem::path(options.stream), motion::kLongestPoseLine);

@@ -1,6 +1,5 @@
 #include "tools/train/mpi.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/platform.h"
 
 namespace neuvv::tools {
 
@@ -39,14 +39,13 @@ struct Mpi {
 
 template <typename Symbol>
 void find(void* library, const char* name, Symbol& symbol) {
-    void* found = dlsym(library, name);
+    void* found = symbol_of(library, name);
     if (found == nullptr) throw_missing(fmt::format("has no {}", name));
     symbol = reinterpret_cast<Symbol>(found);
 }
 
 Mpi load_mpi() {
-    // Open MPI's plug-ins look for its symbols among those of the whole process.
-    void* library = dlopen(kLibrary, RTLD_NOW | RTLD_GLOBAL);
+    void* library = load_library(kLibrary);
     if (library == nullptr) throw_missing("is not there");
     Mpi mpi;
     find(library, "MPI_Init", mpi.init);

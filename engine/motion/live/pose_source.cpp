@@ -1,14 +1,14 @@
 #include "motion/live/pose_source.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <charconv>
 
 #include "base/error.h"
-#include "motion/live/line_source.h"
-#include "motion/live/packet_source.h"
-#include "motion/live/pose_replay.h"
+#include "base/line_reader.h"
+#include "motion/line_source.h"
+#include "motion/packet_source.h"
+#include "motion/pose_replay.h"
 
 namespace neuvv::motion {
 
@@ -45,7 +45,7 @@ bool is_port_address(const std::string& address) {
 }
 
 std::unique_ptr<PoseSource> open_pose_source(const std::string& address) {
-    if (address == "-") return read_lines_of_poses(STDIN_FILENO, "stdin");
+    if (address == "-") return read_lines_of_poses(kStandardInput, "stdin");
     if (!is_port_address(address)) return replay_poses(address);
     const PortAddress at = address == "vmc" ? PortAddress() : read_port_address(address);
     return address.starts_with("vmc") ? listen_for_vmc(at.host, at.port, address)
