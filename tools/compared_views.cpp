@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "media/psnr.h"
 #include "render/frame/frame.h"
 #include "render/rays/linear_image.h"
 #include "tools/commands.h"
-#include "training/evaluation/metrics.h"
 
 namespace neuvv::tools {
 
@@ -88,7 +88,7 @@ double psnr_together(std::span<const double> psnrs) {
 
 double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& images) {
     double worst = 99;
-    for (size_t i = 0; i < truth.size(); ++i) worst = std::min(worst, training::compare(truth[i], images[i]).psnr);
+    for (size_t i = 0; i < truth.size(); ++i) worst = std::min(worst, media::psnr_db(truth[i], images[i]));
     return worst;
 }
 

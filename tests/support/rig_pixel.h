@@ -10,7 +10,7 @@ namespace neuvv::test {
 
 inline glm::dvec2 pixel_of(const training::RigCamera& camera, glm::dvec3 world) {
     const glm::dvec3 p(glm::inverse(camera.world_from_camera) * glm::dvec4(world, 1));
-    return training::project(camera.lens, {p.x / -p.z, -p.y / -p.z});
+    return interchange::project(camera.lens, {p.x / -p.z, -p.y / -p.z});
 }
 
 inline void write_grey_png(const std::filesystem::path& path, uint32_t width, uint32_t height, uint8_t grey = 128) {

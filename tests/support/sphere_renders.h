@@ -1,10 +1,10 @@
 // Renders of a model that was trained on a sphere's capture, by cameras that the capture does not have.
 #pragma once
 
+#include "media/psnr.h"
 #include "render/frame/frame.h"
 #include "support/sphere_capture.h"
-#include "training/evaluation/metrics.h"
-#include "voctree/files/nvv.h"
+#include "voctree/nvv.h"
 
 namespace neuvv::test {
 
@@ -54,8 +54,7 @@ inline std::vector<media::Image> held_out_truths(const SphereCapture& capture) {
 
 inline double mean_psnr(const std::vector<media::Image>& truths, const std::vector<media::Image>& renders) {
     double sum = 0;
-    for (size_t i = 0; i < truths.size(); ++i)
-        sum += training::compare(over_white(truths[i]), over_white(renders[i])).psnr;
+    for (size_t i = 0; i < truths.size(); ++i) sum += media::psnr_db(over_white(truths[i]), over_white(renders[i]));
     return sum / static_cast<double>(truths.size());
 }
 

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <sstream>
 
+#include "media/psnr.h"
 #include "reference/splats.h"
 #include "stage/stage.h"
 #include "stream/nvs_writer.h"
 #include "tests/tools/cli_gpu.h"
-#include "training/evaluation/metrics.h"
-#include "voctree/files/world_frame.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv {
 namespace {
@@ -42,7 +42,7 @@ struct CliExported : CliGpu {
             for (size_t c = 0; c < 4; ++c)
                 drawn.rgba[4 * i + c] =
                     static_cast<uint8_t>(c == 3 ? 255 : std::lround(255 * pixels[i][static_cast<int>(c)]));
-        return training::compare(shown, drawn).psnr;
+        return media::psnr_db(shown, drawn);
     }
 };
 

@@ -1,11 +1,11 @@
 // neuvv publish, and what plays streams, on the command line.
 #include <gtest/gtest.h>
 
+#include "media/psnr.h"
 #include "support/child_process.h"
 #include "support/segmented_copy.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
-#include "training/evaluation/metrics.h"
 
 namespace neuvv {
 namespace {
@@ -44,7 +44,7 @@ TEST_F(CliPublish, AStreamShowsWhatTheClipDoes) {
     EXPECT_EQ(fine.at("frames"), 4);
     EXPECT_EQ(fine.at("bytes"), std::filesystem::file_size(stream));
     for (const char* time : {"0", "0.5", "1.5"})
-        EXPECT_GT(training::compare(on_stage(scene, time), on_stage(stream, time)).psnr, 40) << time;
+        EXPECT_GT(media::psnr_db(on_stage(scene, time), on_stage(stream, time)), 40) << time;
     EXPECT_NE(frame(stream, "0").rgba, frame(stream, "3").rgba);
     const nlohmann::json coarse = publish(scene, {"--quality", "30"});
     EXPECT_LT(coarse.at("bytes"), 0.6 * fine.at("bytes").get<double>());
@@ -79,7 +79,7 @@ TEST_F(CliPublish, SegmentsBecomeOneStream) {
     EXPECT_EQ(json.at("frames"), 4);
     EXPECT_EQ(json.at("groups"), 3) << "one frame; two of three, as one second has; one";
     EXPECT_EQ(json.at("checked"), true);
-    EXPECT_GT(training::compare(on_stage(scene, "1.5"), on_stage(stream, "1.5")).psnr, 38);
+    EXPECT_GT(media::psnr_db(on_stage(scene, "1.5"), on_stage(stream, "1.5")), 38);
 }
 
 // A painted performer against streams of it: one of the stage, and one of its clip alone.
@@ -106,8 +106,8 @@ struct CliPublishPainted : CliPublish {
         test::write_stage(bare, clip, "anna");
         for (const char* time : {"0", "0.5", "1.5"}) {
             const media::Image truth = rendered(show, time);
-            EXPECT_LT(training::compare(truth, rendered(bare, time)).psnr, 30) << "paint is seen at " << time;
-            EXPECT_GT(training::compare(truth, on_stage(stream, time)).psnr, 40) << time;
+            EXPECT_LT(media::psnr_db(truth, rendered(bare, time)), 30) << "paint is seen at " << time;
+            EXPECT_GT(media::psnr_db(truth, on_stage(stream, time)), 40) << time;
         }
     }
 };
@@ -125,7 +125,7 @@ TEST_F(CliPublishPainted, AStreamOfAStageHasThePaint) {
     expect_painted_stream(scene);
 
     edit({"stage", "paint", show, "anna", "--layer", "1", "--visible", "off"});
-    EXPECT_LT(training::compare(rendered(show, "0"), on_stage(stream, "0")).psnr, 35) << "the stream keeps the layer";
+    EXPECT_LT(media::psnr_db(rendered(show, "0"), on_stage(stream, "0")), 35) << "the stream keeps the layer";
     EXPECT_EQ(publish(show, {"--rate", "1000"}).at("paint_layers"), 1);
     expect_painted_stream(scene);
 }
@@ -157,9 +157,9 @@ TEST_F(CliPublishPainted, OneOfSeveralPerformersIsNamed) {
     expect_refused({"publish", scene, "--performer", "anna", "-o", stream}, 2,
                    {"--performer", "anna", "is for stages"});
     EXPECT_FALSE(publish(show, {"--performer", "ben", "--rate", "1000"}).contains("paint_layers"));
-    EXPECT_GT(training::compare(on_stage(scene, "0.5"), on_stage(stream, "0.5")).psnr, 40) << "neither paint nor place";
+    EXPECT_GT(media::psnr_db(on_stage(scene, "0.5"), on_stage(stream, "0.5")), 40) << "neither paint nor place";
     EXPECT_EQ(publish(show, {"--performer", "anna", "--rate", "1000"}).at("paint_layers"), 1);
-    EXPECT_LT(training::compare(on_stage(scene, "0.5"), on_stage(stream, "0.5")).psnr, 24);
+    EXPECT_LT(media::psnr_db(on_stage(scene, "0.5"), on_stage(stream, "0.5")), 24);
     write_text(layer, "no paint");
     expect_refused({"publish", show, "--performer", "anna", "-o", file("y.nvs")}, 2, {"look.nvpaint"});
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "interchange/camera/camera_path_file.h"
 #include "media/exr.h"
 #include "media/image_sink.h"
 #include "media/video.h"
@@ -11,9 +12,8 @@
 #include "support/stage_on_disk.h"
 #include "support/waver_tree.h"
 #include "tests/tools/cli_gpu.h"
-#include "training/data/camera_path_file.h"
-#include "voctree/files/nvpaint.h"
-#include "voctree/files/occupied_box.h"
+#include "voctree/nvpaint.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv {
 namespace {
@@ -35,7 +35,7 @@ struct CliRender : CliGpu {
             path.keys.push_back(key);
         }
         path.duration_s = cyclic ? 3 : 2;
-        training::write_camera_path(file("path.json"), path);
+        interchange::write_camera_path(file("path.json"), path);
         return file("path.json");
     }
     std::vector<std::string> command(const std::string& output, std::initializer_list<std::string> more) {

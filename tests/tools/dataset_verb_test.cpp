@@ -166,7 +166,7 @@ TEST(RigDrawing, CamerasStandWhereTheyDo) {
     for (int i = 0; i < 2; ++i) {
         const stage::Camera from = test::look_at({i == 0 ? -2.0 : 2.0, 0, 0}, {0, 0, 0}, 10, 10);
         cameras[static_cast<size_t>(i)].world_from_camera = from.world_from_camera;
-        training::Lens& lens = cameras[static_cast<size_t>(i)].lens;
+        interchange::Lens& lens = cameras[static_cast<size_t>(i)].lens;
         lens.fx = lens.fy = 10;
         lens.cx = lens.cy = 5;
         lens.width = lens.height = 10;

@@ -1,5 +1,5 @@
 // Camera paths as instant-ngp, nerfstudio and NeuVV write them.
-#include "training/data/camera_path_file.h"
+#include "interchange/camera/camera_path_file.h"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ struct CameraPathFile : testing::Test {
 
     stage::CameraPath read(const json& document) {
         write_text(where, document.dump());
-        return training::read_camera_path(where, 25);
+        return interchange::read_camera_path(where, 25);
     }
     void expect_bad(json document, const std::function<void(json&)>& damage, std::initializer_list<std::string> parts) {
         damage(document);
@@ -223,9 +223,9 @@ TEST_F(CameraPathFile, OursRoundTrips) {
         path.height = sized ? 800 : 0;
         if (sized) path.keys[1].stretch = 1.1;
         if (sized) path.keys[2].shift = {0.05, -0.25};
-        training::write_camera_path(where, path);
+        interchange::write_camera_path(where, path);
         EXPECT_EQ(folder.entries(), 1u);
-        const stage::CameraPath back = training::read_camera_path(where, 25);
+        const stage::CameraPath back = interchange::read_camera_path(where, 25);
         ASSERT_EQ(back.keys.size(), 3u);
         EXPECT_EQ(back.cyclic, path.cyclic);
         EXPECT_EQ(back.duration_s, path.duration_s);
@@ -255,7 +255,7 @@ TEST_F(CameraPathFile, DamagedBytesDoNoHarm) {
             for (int i = 0; i < 3; ++i) bytes[below(bytes.size())] = "0123456789-e.,:[]{}\"tn"[below(22)];
             write_text(where, bytes);
             try {
-                const stage::CameraPath path = training::read_camera_path(where, 25);
+                const stage::CameraPath path = interchange::read_camera_path(where, 25);
                 for (int i = -2; i < 12; ++i) {
                     const stage::Camera camera = stage::camera_at(path, 0.1 * i * path.duration_s, 64, 48);
                     ASSERT_TRUE(std::isfinite(camera.fx) && std::isfinite(glm::determinant(camera.world_from_camera)));
@@ -288,7 +288,7 @@ TEST_F(CameraPathFile, FramesWithoutSecondsAreViews) {
     EXPECT_NEAR(stage::camera_at(path, 0, 300, 50).fx, 150 / std::tan(0.4), 1e-9);
     document["frames"][0]["fl_x"] = 500;
     expect_input_error([&] { read(document); }, {"path.json", "frames[0]", "w and h"});
-    expect_input_error([&] { training::read_camera_path(folder.path / "none.json", 25); }, {"none.json"});
+    expect_input_error([&] { interchange::read_camera_path(folder.path / "none.json", 25); }, {"none.json"});
 }
 
 TEST_F(CameraPathFile, OursIsCheckedToo) {

@@ -8,12 +8,12 @@
 
 #include "base/error.h"
 #include "fuzz/mutate.h"
-#include "interchange/stage/camera_gltf.h"
-#include "interchange/stage/camera_usd.h"
-#include "interchange/usd/usd_text.h"
+#include "interchange/camera/camera_path_file.h"
+#include "interchange/camera_gltf.h"
+#include "interchange/camera_usd.h"
+#include "interchange/usd_text.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
-#include "training/data/camera_path_file.h"
 
 namespace neuvv {
 namespace {
@@ -71,7 +71,7 @@ struct CameraPathWrite : testing::Test {
     json read(const std::string& name) const { return json::parse(read_text(file(name))); }
     // Expects that the file's images are those of the path.
     void expect_read_back(const std::string& name, double tolerance, bool angles = true) {
-        const stage::CameraPath back = training::read_camera_path(file(name), kFps);
+        const stage::CameraPath back = interchange::read_camera_path(file(name), kFps);
         ASSERT_EQ(back.keys.size(), images.keys.size());
         EXPECT_EQ(back.cyclic, images.cyclic);
         EXPECT_NEAR(back.duration_s, images.duration_s, tolerance);
@@ -102,7 +102,7 @@ TEST_F(CameraPathWrite, ImagesAreThoseOfThePath) {
 
 // nerfstudio: rows of camera to world with OpenGL axes, the vertical angle of view in degrees, a world with +Z up.
 TEST_F(CameraPathWrite, Nerfstudio) {
-    training::write_nerfstudio_path(file("path.json"), path, images, {});
+    interchange::write_nerfstudio_path(file("path.json"), path, images, {});
     const json written = read("path.json");
     EXPECT_EQ(written["render_width"], kPathWidth);
     EXPECT_EQ(written["render_height"], kPathHeight);
@@ -126,7 +126,7 @@ TEST_F(CameraPathWrite, NerfstudiosParsedWorldIsReached) {
     // A turn by 90° about z, a shift, and half the size.
     write_text(file("dataparser_transforms.json"),
                R"({"transform": [[0, -1, 0, 1], [1, 0, 0, 2], [0, 0, 1, 3]], "scale": 0.5})");
-    training::write_nerfstudio_path(file("path.json"), path, images, file("dataparser_transforms.json"));
+    interchange::write_nerfstudio_path(file("path.json"), path, images, file("dataparser_transforms.json"));
     const json c2w = read("path.json")["camera_path"][0]["camera_to_world"];
     const glm::dvec3 p = images.keys[0].position, q(p.x, -p.z, p.y);
     EXPECT_NEAR(c2w[3], 0.5 * (-q.y + 1), 1e-9);
@@ -140,7 +140,7 @@ TEST_F(CameraPathWrite, NerfstudiosAppliedTransformIsUndoneFirst) {
     write_text(file("world.json"),
                R"({"transform": [[1, 0, 0, 5], [0, 1, 0, 6], [0, 0, 1, 7]],
                    "applied_transform": [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0]]})");
-    training::write_nerfstudio_path(file("path.json"), path, images, file("world.json"));
+    interchange::write_nerfstudio_path(file("path.json"), path, images, file("world.json"));
     const json c2w = read("path.json")["camera_path"][0]["camera_to_world"];
     const glm::dvec3 p = images.keys[0].position, q(p.x, -p.z, p.y);
     EXPECT_NEAR(c2w[3], q.x + 5, 1e-9);
@@ -153,7 +153,7 @@ TEST_F(CameraPathWrite, NerfstudioCyclesAndShowsTheClip) {
     path = keys_around(true);
     for (stage::CameraPathKey& key : path.keys) key.clip_time = key.time_s / 2;
     images = stage::by_images(path, kFps, kPathWidth, kPathHeight);
-    training::write_nerfstudio_path(file("path.json"), path, images, {});
+    interchange::write_nerfstudio_path(file("path.json"), path, images, {});
     const json written = read("path.json");
     EXPECT_EQ(written["is_cycle"], true);
     EXPECT_NEAR(written["keyframes"][0]["override_transition_sec"], 0.6, 1e-9) << "from the last key to the first";
@@ -168,7 +168,7 @@ TEST_F(CameraPathWrite, InstantNgp) {
     for (const bool trained : {false, true}) {
         const double scale = trained ? 0.25 : 0.33;
         const glm::dvec3 offset = trained ? glm::dvec3(0.5, 0.25, 0.75) : glm::dvec3(0.5);
-        training::write_ngp_path(file("path.json"), images, trained ? file("transforms.json") : "");
+        interchange::write_ngp_path(file("path.json"), images, trained ? file("transforms.json") : "");
         const json written = read("path.json");
         EXPECT_EQ(written["spline_order"], 1);
         EXPECT_EQ(written["loop"], false);
@@ -186,7 +186,7 @@ TEST_F(CameraPathWrite, InstantNgp) {
         expect_read_back("path.json", 1e-9);
     }
     images = stage::by_images(keys_around(true), kFps, kPathWidth, kPathHeight);
-    training::write_ngp_path(file("loop.json"), images, {});
+    interchange::write_ngp_path(file("loop.json"), images, {});
     EXPECT_NEAR(read("loop.json")["path"].back()["timestamp"], 2, 1e-9);
     expect_read_back("loop.json", 1e-9);
 }
@@ -194,7 +194,7 @@ TEST_F(CameraPathWrite, InstantNgp) {
 TEST_F(CameraPathWrite, Gltf) {
     interchange::write_camera_glb(file("path.glb"), images);
     expect_read_back("path.glb", 1e-5, false);
-    const stage::CameraPath back = training::read_camera_path(file("path.glb"), kFps);
+    const stage::CameraPath back = interchange::read_camera_path(file("path.glb"), kFps);
     EXPECT_NEAR(back.keys[7].angle_y, path.keys[0].angle_y, 1e-9) << "glTF has one angle";
     // A camera that stands still is one without an animation.
     path.keys.resize(1);
@@ -239,7 +239,7 @@ TEST_F(CameraPathWrite, Usd) {
         EXPECT_LT(glm::distance(glm::dvec2(x, y), expected), 1e-4);
     }
     expect_read_back("path.usda", 1e-7);
-    EXPECT_NEAR(training::read_camera_path(file("path.usda"), 1).keys[3].shift.y, -0.05, 1e-7);
+    EXPECT_NEAR(interchange::read_camera_path(file("path.usda"), 1).keys[3].shift.y, -0.05, 1e-7);
 }
 
 // As other programs write it: +Z up, centimetres, frames from 1, rotations by axes, a scaled parent, comments.
@@ -279,7 +279,7 @@ def Xform "root" ( kind = "group"
 
 TEST_F(CameraPathWrite, UsdOfOtherPrograms) {
     write_text(file("shot.usda"), kForeignUsd);
-    const stage::CameraPath back = training::read_camera_path(file("shot.usda"), 25);
+    const stage::CameraPath back = interchange::read_camera_path(file("shot.usda"), 25);
     ASSERT_EQ(back.keys.size(), 2u);
     EXPECT_EQ(back.keys[0].time_s, 0);
     EXPECT_EQ(back.keys[1].time_s, 1);
@@ -295,7 +295,7 @@ TEST_F(CameraPathWrite, UsdOfOtherPrograms) {
 TEST_F(CameraPathWrite, DamagedUsdIsRefused) {
     const auto refuses = [&](const std::string& text, std::initializer_list<std::string> parts) {
         write_text(file("shot.usda"), text);
-        expect_input_error([&] { training::read_camera_path(file("shot.usda"), 25); }, parts);
+        expect_input_error([&] { interchange::read_camera_path(file("shot.usda"), 25); }, parts);
     };
     const std::string head = "#usda 1.0\n";
     refuses("PXR-USDC\1", {"shot.usda", "binary", "usdcat"});
@@ -326,7 +326,7 @@ TEST_F(CameraPathWrite, DamagedUsdIsRefused) {
     for (int i = 0; i < 600; ++i) {
         write_text(file("shot.usda"), fuzz::mutate(sound[static_cast<size_t>(i % 2)], sound, 20000, random));
         try {
-            const stage::CameraPath path_read = training::read_camera_path(file("shot.usda"), 25);
+            const stage::CameraPath path_read = interchange::read_camera_path(file("shot.usda"), 25);
             const stage::Camera camera = stage::camera_at(path_read, 0.5, 8, 8);
             EXPECT_TRUE(std::isfinite(camera.fx) && camera.fx > 0);
             EXPECT_TRUE(std::isfinite(glm::length(glm::dvec3(camera.world_from_camera[3]))));

@@ -182,7 +182,7 @@ TEST_F(ImagesTest, SizesFollowTheCalibration) {
 TEST_F(ImagesTest, ALensIsUndoneInImagePlateAndMasks) {
     rig.masks = training::MaskMeaning::kIgnore;
     rig.shots[1].mask.path = write("ignore.png", half_mask(false));
-    rig.cameras[1].lens.model = training::LensModel::kBrown;
+    rig.cameras[1].lens.model = interchange::LensModel::kBrown;
     rig.cameras[1].lens.k[0] = 0.6;  // pincushion distortion: the lens never saw the corners
     rig.cameras[1].plate.path = write("plate.png", plain(60));
     const training::Dataset data = load(false);

@@ -1,5 +1,5 @@
 // Lenses against values by the formulas of calibration programs, and images whose distortion is undone.
-#include "training/data/lens.h"
+#include "interchange/camera/lens.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 namespace neuvv {
 namespace {
 
-training::Lens make_lens(training::LensModel model, std::array<double, 6> k, double p1 = 0, double p2 = 0,
-                         double s1 = 0, double s2 = 0) {
+interchange::Lens make_lens(interchange::LensModel model, std::array<double, 6> k, double p1 = 0, double p2 = 0,
+                            double s1 = 0, double s2 = 0) {
     return {.model = model,
             .fx = 500,
             .fy = 480,
@@ -29,85 +29,87 @@ training::Lens make_lens(training::LensModel model, std::array<double, 6> k, dou
 constexpr double kPlaces[3][2] = {{0.3, -0.2}, {-0.5, 0.4}, {0, 0.6}};
 
 // The expected values were computed from the formulas in the documentation of OpenCV and COLMAP, with other code.
-void expect_projections(const training::Lens& lens, const double (&expected)[3][2]) {
+void expect_projections(const interchange::Lens& lens, const double (&expected)[3][2]) {
     for (int i = 0; i < 3; ++i) {
-        const glm::dvec2 at = training::project(lens, {kPlaces[i][0], kPlaces[i][1]});
+        const glm::dvec2 at = interchange::project(lens, {kPlaces[i][0], kPlaces[i][1]});
         EXPECT_NEAR(at.x, expected[i][0], 1e-8) << i;
         EXPECT_NEAR(at.y, expected[i][1], 1e-8) << i;
     }
-    EXPECT_EQ(training::project(lens, {0, 0}), glm::dvec2(320, 240));
+    EXPECT_EQ(interchange::project(lens, {0, 0}), glm::dvec2(320, 240));
 }
 
 // The direction that is shown at a pixel is the one that is projected there.
 TEST(Lens, DirectionsAreThoseThatAreProjected) {
-    using training::LensModel;
-    for (const training::Lens& lens :
+    using interchange::LensModel;
+    for (const interchange::Lens& lens :
          {make_lens(LensModel::kPinhole, {}), make_lens(LensModel::kBrown, {-0.12, 0.03, 0.002}, 0.001, -0.002),
           make_lens(LensModel::kFisheye, {-0.12, 0.03, 0.002})})
         for (const auto& [x, y] : kPlaces) {
-            const auto found = training::direction_at(lens, training::project(lens, {x, y}));
+            const auto found = interchange::direction_at(lens, interchange::project(lens, {x, y}));
             ASSERT_TRUE(found);
             EXPECT_LT(glm::distance(*found, glm::dvec2(x, y)), 1e-8);
         }
-    EXPECT_FALSE(training::direction_at(make_lens(LensModel::kBrown, {-0.5}), {2000, 240}))
+    EXPECT_FALSE(interchange::direction_at(make_lens(LensModel::kBrown, {-0.5}), {2000, 240}))
         << "beyond where the lens folds over";
 }
 
 TEST(Lens, Pinhole) {
-    const training::Lens lens = make_lens(training::LensModel::kPinhole, {});
+    const interchange::Lens lens = make_lens(interchange::LensModel::kPinhole, {});
     expect_projections(lens, {{470, 144}, {70, 432}, {320, 528}});
     EXPECT_FALSE(lens.distorts());
 }
 
 TEST(Lens, Brown) {
-    const training::Lens lens =
-        make_lens(training::LensModel::kBrown, {-0.25, 0.08, -0.01, 0.03, -0.02, 0.005}, 0.002, -0.003);
+    const interchange::Lens lens =
+        make_lens(interchange::LensModel::kBrown, {-0.25, 0.08, -0.01, 0.03, -0.02, 0.005}, 0.002, -0.003);
     expect_projections(lens, {{464.222110865, 147.697849046}, {92.763267531, 414.439090536}, {319.46, 503.750772518}});
     EXPECT_TRUE(lens.distorts());
-    EXPECT_FALSE(make_lens(training::LensModel::kBrown, {}).distorts());
+    EXPECT_FALSE(make_lens(interchange::LensModel::kBrown, {}).distorts());
 }
 
 TEST(Lens, Fisheye) {
-    const training::Lens lens = make_lens(training::LensModel::kFisheye, {0.05, -0.02, 0.01, -0.003});
+    const interchange::Lens lens = make_lens(interchange::LensModel::kFisheye, {0.05, -0.02, 0.01, -0.003});
     expect_projections(lens, {{464.787295409, 147.336130938}, {94.427000595, 413.240063543}, {320.0, 502.805754288}});
-    EXPECT_TRUE(make_lens(training::LensModel::kFisheye, {}).distorts()) << "its angles are not a pinhole's tangents";
+    EXPECT_TRUE(make_lens(interchange::LensModel::kFisheye, {}).distorts())
+        << "its angles are not a pinhole's tangents";
 }
 
 TEST(Lens, ThinPrismFisheye) {
-    const training::Lens lens =
-        make_lens(training::LensModel::kFisheye, {0.05, -0.02, 0.01, -0.003}, 0.002, -0.003, 0.004, -0.006);
+    const interchange::Lens lens =
+        make_lens(interchange::LensModel::kFisheye, {0.05, -0.02, 0.01, -0.003}, 0.002, -0.003, 0.004, -0.006);
     expect_projections(lens,
                        {{464.487924213, 147.336130938}, {93.67936756, 413.316013566}, {320.146026618, 502.805754288}});
 }
 
 TEST(Lens, Fov) {
-    const training::Lens lens = make_lens(training::LensModel::kFov, {0.9});
+    const interchange::Lens lens = make_lens(interchange::LensModel::kFov, {0.9});
     expect_projections(lens, {{474.942377154, 140.836878621}, {79.669084812, 424.574142864}, {320.0, 520.178075247}});
-    EXPECT_NEAR(training::project(make_lens(training::LensModel::kFov, {1e-12}), {0.3, -0.2}).x, 470, 1e-6);
+    EXPECT_NEAR(interchange::project(make_lens(interchange::LensModel::kFov, {1e-12}), {0.3, -0.2}).x, 470, 1e-6);
 }
 
-TEST(Lens, ScalingMovesPlacesWithTheImage) {
-    const training::Lens lens = make_lens(training::LensModel::kBrown, {-0.25, 0.08}, 0.002, -0.003);
-    const glm::dvec2 whole = training::project(lens, {0.3, -0.2}),
-                     half = training::project(training::scaled(lens, 320, 120), {0.3, -0.2});
+TEST(Lens, ScalingMovesPlacesWithThePicture) {
+    const interchange::Lens lens = make_lens(interchange::LensModel::kBrown, {-0.25, 0.08}, 0.002, -0.003);
+    const glm::dvec2 whole = interchange::project(lens, {0.3, -0.2}),
+                     half = interchange::project(interchange::scaled(lens, 320, 120), {0.3, -0.2});
     EXPECT_NEAR(half.x, whole.x / 2, 1e-9);
     EXPECT_NEAR(half.y, whole.y / 4, 1e-9);
 }
 
 // r (1 + k1 r²) turns back at r = √(−1 / 3 k1).
 TEST(Lens, FoldingIsFound) {
-    EXPECT_NEAR(training::fold_radius(make_lens(training::LensModel::kBrown, {-0.3}), 2), std::sqrt(1 / 0.9), 1e-3);
-    EXPECT_EQ(training::fold_radius(make_lens(training::LensModel::kBrown, {-0.3}), 1), 1);
-    EXPECT_EQ(training::fold_radius(make_lens(training::LensModel::kBrown, {0.3}), 2), 2);
-    EXPECT_LT(training::fold_radius(make_lens(training::LensModel::kBrown, {0.3, 0, 0, -1}), 2),
+    EXPECT_NEAR(interchange::fold_radius(make_lens(interchange::LensModel::kBrown, {-0.3}), 2), std::sqrt(1 / 0.9),
+                1e-3);
+    EXPECT_EQ(interchange::fold_radius(make_lens(interchange::LensModel::kBrown, {-0.3}), 1), 1);
+    EXPECT_EQ(interchange::fold_radius(make_lens(interchange::LensModel::kBrown, {0.3}), 2), 2);
+    EXPECT_LT(interchange::fold_radius(make_lens(interchange::LensModel::kBrown, {0.3, 0, 0, -1}), 2),
               1.01);  // there is a pole at r = 1
-    EXPECT_LT(training::fold_radius(make_lens(training::LensModel::kBrown, {}, 0.3), 2),
+    EXPECT_LT(interchange::fold_radius(make_lens(interchange::LensModel::kBrown, {}, 0.3), 2),
               2);  // by the tangential terms alone
-    EXPECT_EQ(training::fold_radius(make_lens(training::LensModel::kFisheye, {}), 100), 100);
+    EXPECT_EQ(interchange::fold_radius(make_lens(interchange::LensModel::kFisheye, {}), 100), 100);
     // θ (1 − θ²/2) turns back at θ = √(2/3)
-    EXPECT_NEAR(training::fold_radius(make_lens(training::LensModel::kFisheye, {-0.5}), 2),
+    EXPECT_NEAR(interchange::fold_radius(make_lens(interchange::LensModel::kFisheye, {-0.5}), 2),
                 std::tan(std::sqrt(2.0 / 3)), 1e-3);
-    EXPECT_LT(training::fold_radius(make_lens(training::LensModel::kBrown, {NAN}), 2), 0.001);
+    EXPECT_LT(interchange::fold_radius(make_lens(interchange::LensModel::kBrown, {NAN}), 2), 0.001);
 }
 
 media::Image noise(uint32_t width, uint32_t height) {
@@ -120,7 +122,7 @@ media::Image noise(uint32_t width, uint32_t height) {
 }
 
 TEST(Undistort, APinholeChangesNothing) {
-    const training::Undistortion map = training::make_undistortion(make_lens(training::LensModel::kPinhole, {}));
+    const training::Undistortion map = training::make_undistortion(make_lens(interchange::LensModel::kPinhole, {}));
     EXPECT_EQ(map.seen_share, 1);
     EXPECT_EQ(map.fold_degrees, 0);
     const media::Image image = noise(640, 480);
@@ -139,13 +141,13 @@ double board(glm::dvec2 xy) {
 }
 
 // The image of the board through a lens. The direction that a pixel's centre shows is found by a search.
-media::Image board_through(const training::Lens& lens) {
+media::Image board_through(const interchange::Lens& lens) {
     media::Image image(lens.width, lens.height);
     for (uint32_t y = 0; y < lens.height; ++y)
         for (uint32_t x = 0; x < lens.width; ++x) {
             const glm::dvec2 goal(x + 0.5, y + 0.5);
             glm::dvec2 xy = (goal - glm::dvec2(lens.cx, lens.cy)) / glm::dvec2(lens.fx, lens.fy);
-            for (int i = 0; i < 25; ++i) xy += (goal - training::project(lens, xy)) / glm::dvec2(lens.fx, lens.fy);
+            for (int i = 0; i < 25; ++i) xy += (goal - interchange::project(lens, xy)) / glm::dvec2(lens.fx, lens.fy);
             const auto value = static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(board(xy))));
             std::fill_n(image.at(x, y), 3, value);
             image.at(x, y)[3] = 255;
@@ -154,13 +156,13 @@ media::Image board_through(const training::Lens& lens) {
 }
 
 TEST(Undistort, AnyLensShowsTheBoardAsAPinholeDoes) {
-    for (const training::Lens& full :
-         {make_lens(training::LensModel::kBrown, {0.08, 0.01}, 0.004, -0.003),
-          make_lens(training::LensModel::kBrown, {-0.2, 0.05}, 0.002, 0.003),
-          make_lens(training::LensModel::kFisheye, {0.02, -0.01}), make_lens(training::LensModel::kFov, {0.6})}) {
-        const training::Lens lens = training::scaled(full, 200, 150);
-        training::Lens pinhole = lens;
-        pinhole.model = training::LensModel::kPinhole;
+    for (const interchange::Lens& full :
+         {make_lens(interchange::LensModel::kBrown, {0.08, 0.01}, 0.004, -0.003),
+          make_lens(interchange::LensModel::kBrown, {-0.2, 0.05}, 0.002, 0.003),
+          make_lens(interchange::LensModel::kFisheye, {0.02, -0.01}), make_lens(interchange::LensModel::kFov, {0.6})}) {
+        const interchange::Lens lens = interchange::scaled(full, 200, 150);
+        interchange::Lens pinhole = lens;
+        pinhole.model = interchange::LensModel::kPinhole;
         const training::Undistortion map = training::make_undistortion(lens);
         const media::Image straight = training::undistort(board_through(lens), map, training::ColourOf::kForeground);
         const media::Image truth = board_through(pinhole), bent = board_through(lens);
@@ -183,7 +185,7 @@ TEST(Undistort, AnyLensShowsTheBoardAsAPinholeDoes) {
 }
 
 TEST(Undistort, WhatTheLensNeverSawIsIgnored) {
-    const training::Lens pincushion = make_lens(training::LensModel::kBrown, {0.4});
+    const interchange::Lens pincushion = make_lens(interchange::LensModel::kBrown, {0.4});
     const training::Undistortion map = training::make_undistortion(pincushion);
     EXPECT_FALSE(map.sees(0)) << "the corner of the pinhole's image lies outside the lens's";
     EXPECT_TRUE(map.sees(240 * 640 + 320));
@@ -195,7 +197,7 @@ TEST(Undistort, WhatTheLensNeverSawIsIgnored) {
     centre[240 * 640 + 320] = true;
     EXPECT_TRUE(training::undistort_ignored(centre, map)[240 * 640 + 320]);
 
-    const training::Undistortion folded = training::make_undistortion(make_lens(training::LensModel::kBrown, {-2}));
+    const training::Undistortion folded = training::make_undistortion(make_lens(interchange::LensModel::kBrown, {-2}));
     EXPECT_NEAR(folded.fold_degrees, std::atan(std::sqrt(1.0 / 6)) * 180 / 3.14159265, 0.1);
     EXPECT_FALSE(folded.sees(0)) << "the distortion would bring it back into the image";
     EXPECT_LT(folded.seen_share, 0.8);
@@ -203,7 +205,7 @@ TEST(Undistort, WhatTheLensNeverSawIsIgnored) {
 
 // In foregrounds, clear pixels must not darken the colour beside them; in captures, they count like all others.
 TEST(Undistort, ColourIsWeightedByAlpha) {
-    training::Lens lens = make_lens(training::LensModel::kPinhole, {});
+    interchange::Lens lens = make_lens(interchange::LensModel::kPinhole, {});
     lens.width = 2;
     lens.height = 1;
     training::Undistortion map = training::make_undistortion(lens);

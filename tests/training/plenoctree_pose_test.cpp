@@ -1,13 +1,13 @@
 // A PlenOctree and the poses of the scene that it was made of, which are turned each by its own reader, fit each other.
 #include <gtest/gtest.h>
 
+#include "interchange/camera/transforms.h"
 #include "reference/camera.h"
 #include "reference/slice.h"
 #include "reference/trace.h"
 #include "support/n3_tree.h"
 #include "support/temporary_folder.h"
-#include "training/data/layouts/rig/transforms.h"
-#include "voctree/files/plenoctree.h"
+#include "voctree/plenoctree.h"
 
 namespace neuvv::test {
 namespace {
@@ -37,8 +37,9 @@ TEST(PlenoctreePose, IsSeenAsTheImagesOfItsSceneShowIt) {
     const TemporaryFolder folder;
     write_npz(folder.path / "tree.npz", coloured_cube().arrays());
     write_text(folder.path / "transforms_train.json", kTransforms);
-    const training::TransformsFrame frame = training::read_transforms(folder.path / "transforms_train.json").frames[0];
-    const training::Lens lens = training::make_lens(frame.intrinsics, kSide, kSide);
+    const interchange::TransformsFrame frame =
+        interchange::read_transforms(folder.path / "transforms_train.json").frames[0];
+    const interchange::Lens lens = interchange::make_lens(frame.intrinsics, kSide, kSide);
     stage::Camera camera;
     camera.world_from_camera = frame.world_from_camera;
     camera.width = camera.height = kSide;

@@ -11,12 +11,13 @@
 
 #include "base/error.h"
 #include "base/output_path.h"
-#include "base/threads/parallel.h"
+#include "base/parallel.h"
+#include "media/psnr.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/view_path.h"
-#include "training/evaluation/metrics.h"
+#include "voctree/clip.h"
 #include "voctree/coarse.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/half.h"
@@ -86,7 +87,7 @@ struct OpenResult {
     std::optional<Opening> first;
     Opening whole;
     double share() const { return first ? first->total() / whole.total() : 1; }
-    double psnr() const { return first ? training::compare(whole.image, first->image).psnr : 99; }
+    double psnr() const { return first ? media::psnr_db(whole.image, first->image) : 99; }
 };
 
 nlohmann::ordered_json json_of(const OpenResult& result) {

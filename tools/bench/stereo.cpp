@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
+#include "media/psnr.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
-#include "training/evaluation/metrics.h"
-#include "voctree/files/clip.h"
-#include "voctree/files/occupied_box.h"
+#include "voctree/clip.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv::bench {
 
@@ -110,7 +110,7 @@ void measure(render::FrameRenderer& renderer, StereoVariant& variant, const std:
         const std::vector<glm::vec4> rays = renderer.radiance();
         result.covered = static_cast<double>(covered_rays(rays)) / static_cast<double>(rays.size());
     }
-    variant.psnr = std::min(training::compare(truth[0], images[0]).psnr, training::compare(truth[1], images[1]).psnr);
+    variant.psnr = std::min(media::psnr_db(truth[0], images[0]), media::psnr_db(truth[1], images[1]));
 }
 
 std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stage::Camera>& eyes, uint32_t clip_frames,

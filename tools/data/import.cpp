@@ -13,6 +13,7 @@
 #include "base/formats/json.h"
 #include "base/numbered_path.h"
 #include "base/platform.h"
+#include "media/psnr.h"
 #include "tools/commands.h"
 #include "tools/compared_views.h"
 #include "tools/data/imported_frame.h"
@@ -20,7 +21,7 @@
 #include "tools/report.h"
 #include "tools/say.h"
 #include "tools/unfinished_clip.h"
-#include "training/evaluation/metrics.h"
+#include "voctree/clip_index.h"
 #include "voctree/coarse.h"
 #include "voctree/files/clip_index.h"
 #include "voctree/files/nvv.h"
@@ -107,7 +108,7 @@ void compare(const gpu::Device& device, const ImportedFrame& frame, const voctre
         media::Image truth;
         const auto background = telling_background(frame, views.camera_of(i), truth);
         if (background)
-            psnrs.push_back(training::compare(truth, views.render_still(tree, i, *background)).psnr);
+            psnrs.push_back(media::psnr_db(truth, views.render_still(tree, i, *background)));
         else
             ++imported.empty_views;
     }

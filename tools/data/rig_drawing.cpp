@@ -46,7 +46,7 @@ glm::dvec3 position_of(const training::RigCamera& camera) {
 
 // The corners of the camera's image at this depth, in the world.
 std::array<glm::dvec3, 4> corners(const training::RigCamera& camera, double depth) {
-    const training::Lens& lens = camera.lens;
+    const interchange::Lens& lens = camera.lens;
     const double width = lens.width ? lens.width : 2 * lens.cx, height = lens.height ? lens.height : 2 * lens.cy;
     std::array<glm::dvec3, 4> result{};
     for (int i = 0; i < 4; ++i) {

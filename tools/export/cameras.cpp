@@ -3,14 +3,14 @@
 
 #include "base/error.h"
 #include "base/output_path.h"
-#include "interchange/stage/camera_gltf.h"
-#include "interchange/stage/camera_usd.h"
+#include "interchange/camera/camera_path_file.h"
+#include "interchange/camera_gltf.h"
+#include "interchange/camera_usd.h"
 #include "stage/evaluated_stage.h"
 #include "tools/export/stage_kinds.h"
 #include "tools/options.h"
 #include "tools/results.h"
 #include "tools/view_path.h"
-#include "training/data/camera_path_file.h"
 
 namespace neuvv::tools {
 
@@ -30,7 +30,7 @@ ExportedCamera camera_of(const ExportOptions& options) {
     const double fps = options.fps.value_or(stage.fps);
     ExportedCamera camera;
     if (names_camera_path(options.camera))
-        camera.path = training::read_camera_path(options.camera, fps, training::frame_of(stage));
+        camera.path = interchange::read_camera_path(options.camera, fps, interchange::frame_of(stage));
     else if (stage.settings.camera_path && (options.camera.empty() || options.camera == kStagePath))
         camera.path = *stage.settings.camera_path;
     else
@@ -38,8 +38,8 @@ ExportedCamera camera_of(const ExportOptions& options) {
     const media::ImageSize size = options.size.empty() ? kStageSize : parse_size(options.size);
     camera.images = stage::by_images(camera.path, fps, size.width, size.height);
     if (!has_floats) {
-        camera.path = training::in_capture(camera.path, training::frame_of(stage));
-        camera.images = training::in_capture(camera.images, training::frame_of(stage));
+        camera.path = interchange::in_capture(camera.path, interchange::frame_of(stage));
+        camera.images = interchange::in_capture(camera.images, interchange::frame_of(stage));
     }
     prepare_result("--output", options.output);
     return camera;
@@ -68,13 +68,13 @@ std::string write_camera(const ExportOptions& options, const CommonOptions&, nlo
 
 std::string write_nerfstudio(const ExportOptions& options, const CommonOptions&, nlohmann::ordered_json&) {
     const ExportedCamera camera = camera_of(options);
-    training::write_nerfstudio_path(options.output, camera.path, camera.images, options.world);
+    interchange::write_nerfstudio_path(options.output, camera.path, camera.images, options.world);
     return camera.text();
 }
 
 std::string write_ngp(const ExportOptions& options, const CommonOptions&, nlohmann::ordered_json&) {
     const ExportedCamera camera = camera_of(options);
-    training::write_ngp_path(options.output, camera.images, options.world);
+    interchange::write_ngp_path(options.output, camera.images, options.world);
     return camera.text();
 }
 

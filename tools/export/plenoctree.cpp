@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "base/error.h"
+#include "media/psnr.h"
 #include "tools/compared_views.h"
 #include "tools/export/exported_clip.h"
 #include "tools/export/frame_export.h"
 #include "tools/options.h"
-#include "training/evaluation/metrics.h"
-#include "voctree/files/plenoctree.h"
+#include "voctree/plenoctree.h"
 
 namespace neuvv::tools {
 
@@ -79,7 +79,7 @@ void PlenoctreeExport::write(const std::filesystem::path& file) {
     const voctree::VOctree read = voctree::read_plenoctree(file, voctree::PlenoctreeColours::kAsStored);
     std::vector<double> psnrs;
     for (size_t i = 0; i < truth_.size(); ++i)
-        psnrs.push_back(training::compare(truth_[i], compared_->render_still(read, i)).psnr);
+        psnrs.push_back(media::psnr_db(truth_[i], compared_->render_still(read, i)));
     psnr_ = psnr_together(psnrs);
 }
 

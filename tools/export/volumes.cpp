@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "base/error.h"
-#include "interchange/volume/vdb_volume.h"
-#include "interchange/volume/vdb_writer.h"
+#include "interchange/vdb_volume.h"
+#include "interchange/vdb_writer.h"
+#include "media/psnr.h"
 #include "tools/compared_views.h"
 #include "tools/export/exported_clip.h"
 #include "tools/export/frame_export.h"
 #include "tools/options.h"
-#include "training/evaluation/metrics.h"
 #include "voctree/coarse.h"
 
 namespace neuvv::tools {
@@ -78,7 +78,7 @@ void VolumeExport::measure(uint32_t frame, const Working& working) {
     for (size_t i = 0; i < views.count(); ++i) {
         const media::Image drawn = interchange::vdb_image(
             read, views.camera_of(i), [&] { working("comparing the volume with images of the middle frame"); });
-        psnrs.push_back(training::compare(views.render_still(still, i), drawn).psnr);
+        psnrs.push_back(media::psnr_db(views.render_still(still, i), drawn));
     }
     psnr_ = psnr_together(psnrs);
 }

@@ -8,9 +8,10 @@
 #include "base/error.h"
 #include "base/output_path.h"
 #include "base/platform.h"
-#include "motion/skeleton/skeleton_file.h"
-#include "motion/video/extract.h"
-#include "motion/video/key_point_detector.h"
+#include "interchange/camera/lens.h"
+#include "motion/extract.h"
+#include "motion/key_point_detector.h"
+#include "motion/skeleton_file.h"
 #include "tools/commands.h"
 #include "tools/motion/skeleton_verbs.h"
 #include "tools/report.h"
@@ -18,7 +19,6 @@
 #include "tools/say.h"
 #include "training/data/image_reader.h"
 #include "training/data/layouts/formats.h"
-#include "training/data/lens.h"
 
 namespace neuvv::tools {
 
@@ -46,7 +46,7 @@ struct ExtractOptions {
 };
 
 stage::Camera pinhole(const training::RigCamera& camera) {
-    const training::Lens& lens = camera.lens;
+    const interchange::Lens& lens = camera.lens;
     return {camera.world_from_camera, lens.fx, lens.fy, lens.cx, lens.cy, lens.width, lens.height};
 }
 
@@ -55,11 +55,11 @@ void undistort_key_points(const std::vector<training::Rig>& splits, motion::Dete
     size_t index = 0;
     for (const training::Rig& rig : splits)
         for (const training::RigCamera& camera : rig.cameras) {
-            const training::Lens& lens = camera.lens;
+            const interchange::Lens& lens = camera.lens;
             for (size_t f = 0; f < seen.frames && lens.distorts(); ++f)
                 for (motion::KeyPoint& point : seen.in(f, index)) {
                     if (!(point.confidence > 0)) continue;
-                    const std::optional<glm::dvec2> xy = training::direction_at(lens, point.pixel);
+                    const std::optional<glm::dvec2> xy = interchange::direction_at(lens, point.pixel);
                     if (xy)
                         point.pixel = {lens.cx + lens.fx * xy->x, lens.cy + lens.fy * xy->y};
                     else
@@ -134,7 +134,7 @@ motion::PixelScale pixel_scale(const std::string& name) {
 std::vector<std::vector<motion::KeyPoint>> detect_in_images(motion::KeyPointDetector& detector,
                                                             const std::vector<training::Rig>& splits) {
     std::vector<const training::Shot*> shots;
-    std::vector<const training::Lens*> lenses;
+    std::vector<const interchange::Lens*> lenses;
     for (const training::Rig& rig : splits)
         for (const training::Shot& shot : rig.shots) {
             shots.push_back(&shot);

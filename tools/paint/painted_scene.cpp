@@ -10,13 +10,13 @@
 #include "base/output_path.h"
 #include "edit/operations.h"
 #include "editor/open_file.h"
+#include "interchange/camera/camera_path_file.h"
 #include "render/volume/trace.h"
 #include "tools/stage/stage_verbs.h"
 #include "tools/view_path.h"
-#include "training/data/camera_path_file.h"
-#include "voctree/files/clip.h"
-#include "voctree/files/nvpaint.h"
-#include "voctree/files/occupied_box.h"
+#include "voctree/clip.h"
+#include "voctree/nvpaint.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv::tools {
 
@@ -66,7 +66,7 @@ std::optional<StagedPerformer> open_stage(const PaintOptions& options, PaintedSc
 // The camera of --key on the camera path.
 stage::Camera path_camera(const PaintOptions& options, media::ImageSize size) {
     const stage::CameraPath path =
-        training::read_camera_path(options.camera, 1, voctree::read_world_frame(options.scene));
+        interchange::read_camera_path(options.camera, 1, voctree::read_world_frame(options.scene));
     const uint32_t key = options.key.value_or(0);
     if (key >= path.keys.size())
         throw InputError(options.camera, fmt::format("frame {}", key), "is not there",
@@ -193,7 +193,7 @@ void PaintedScene::save_stage(const PaintOptions& options) const {
 media::ImageSize image_size(const PaintOptions& options, const PaintedScene& scene) {
     if (!options.size.empty()) return parse_size(options.size);
     if (scene.staged ? names_camera_path(options.camera) : !options.camera.empty()) {
-        const stage::CameraPath path = training::read_camera_path(options.camera, 1);
+        const stage::CameraPath path = interchange::read_camera_path(options.camera, 1);
         if (path.width > 0 && path.height > 0) return {path.width, path.height};
     }
     return scene.staged ? kStageSize : kClipSize;

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/output_path.h"
+#include "interchange/camera/camera_path_file.h"
 #include "media/image_sink.h"
 #include "render/clips/segment_paint.h"
 #include "render/clips/shown_segments.h"
@@ -20,12 +21,11 @@
 #include "tools/render/render.h"
 #include "tools/render/render_layers.h"
 #include "tools/view_path.h"
-#include "training/data/camera_path_file.h"
-#include "voctree/files/chunk_file.h"
-#include "voctree/files/clip.h"
-#include "voctree/files/clip_index.h"
-#include "voctree/files/nvpaint.h"
-#include "voctree/files/occupied_box.h"
+#include "voctree/chunk_file.h"
+#include "voctree/clip.h"
+#include "voctree/clip_index.h"
+#include "voctree/nvpaint.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv::tools {
 
@@ -123,7 +123,7 @@ std::vector<ViewStep> view_path(const RenderOptions& options, const RenderPlan& 
     playback.output_fps = checked_fps(options, 0, playback.clip_fps);
     if (options.camera.empty()) return orbit_path(plan.box, playback, size.width ? size : kClipSize);
     const stage::CameraPath path =
-        training::read_camera_path(options.camera, playback.output_fps, voctree::read_world_frame(options.scene));
+        interchange::read_camera_path(options.camera, playback.output_fps, voctree::read_world_frame(options.scene));
     playback.output_fps = checked_fps(options, path.fps, playback.clip_fps);
     return path_steps(path, playback, plan.clip.frames(), size, kClipSize);
 }

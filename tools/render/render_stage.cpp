@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/output_path.h"
+#include "interchange/camera/camera_path_file.h"
 #include "media/image_sink.h"
 #include "render/clips/light_status.h"
 #include "render/clips/stage_renderer.h"
@@ -17,7 +18,6 @@
 #include "tools/report.h"
 #include "tools/say.h"
 #include "tools/view_path.h"
-#include "training/data/camera_path_file.h"
 
 namespace neuvv::tools {
 
@@ -160,7 +160,7 @@ StagePlan plan_stage(const RenderOptions& options) {
         throw InputError("--layers", options.layers, "need performers that are blended exactly", "add --blend exact");
     plan.fps = checked_fps(options, 0, plan.stage.fps);
     if (names_camera_path(options.camera)) {
-        plan.path = training::read_camera_path(options.camera, plan.fps, training::frame_of(plan.stage));
+        plan.path = interchange::read_camera_path(options.camera, plan.fps, interchange::frame_of(plan.stage));
         plan.fps = checked_fps(options, plan.path->fps, plan.stage.fps);
     }
     if (options.camera == kStagePath && plan.stage.settings.camera_path) {

@@ -4,11 +4,11 @@
 #include <optional>
 
 #include "base/error.h"
+#include "interchange/camera/camera_path_file.h"
 #include "stage/camera_path_json.h"
 #include "stage/evaluated_stage.h"
 #include "tools/stage/stage_verbs.h"
 #include "tools/view_path.h"
-#include "training/data/camera_path_file.h"
 
 namespace neuvv::tools {
 
@@ -71,7 +71,7 @@ std::string change_path(stage::StageFile& file, const PathOptions& options) {
     const double frame_s = 1 / stage.fps;
     if (options.from)
         return change_whole_path(file, options,
-                                 training::read_camera_path(*options.from, stage.fps, training::frame_of(stage)));
+                                 interchange::read_camera_path(*options.from, stage.fps, interchange::frame_of(stage)));
     if (options.key_s) return edit::add_path_key(file, key_at(stage, options.camera, *options.key_s), frame_s);
     if (options.remove_key) return edit::remove_path_key(file, *options.remove_key);
     if (options.move_key) return edit::move_path_key(file, *options.move_key, *options.to_s, frame_s);

@@ -10,10 +10,10 @@
 #include "edit/operations.h"
 #include "edit/paint_layers.h"
 #include "editor/open_file.h"
+#include "interchange/camera/camera_path_file.h"
 #include "tools/viewer/context.h"
-#include "training/data/camera_path_file.h"
-#include "voctree/files/clip.h"
-#include "voctree/files/clip_index.h"
+#include "voctree/clip.h"
+#include "voctree/clip_index.h"
 
 namespace neuvv::viewer {
 
@@ -222,7 +222,7 @@ void Files::add_camera_path(const std::filesystem::path& file) {
         fmt::format("Reading {}", file.filename().string()),
         [this, file, of = context_.editor.file(), open_count = context_.editor.open_count()] {
             const stage::Stage stage = stage::make_stage(of);
-            const stage::CameraPath path = training::read_camera_path(file, stage.fps, training::frame_of(stage));
+            const stage::CameraPath path = interchange::read_camera_path(file, stage.fps, interchange::frame_of(stage));
             return [this, path, open_count] {
                 if (context_.editor.open_count() != open_count) return;
                 context_.editor.edit([&](edit::Document& d) { return edit::set_camera_path(d.file, path); });

@@ -107,7 +107,7 @@ class CameraLoader {
 
   private:
     Undistortion undistortion() const {
-        Lens lens = from_.lens;
+        interchange::Lens lens = from_.lens;
         lens.width = size_.width;
         lens.height = size_.height;
         Undistortion map = make_undistortion(lens);
@@ -183,7 +183,7 @@ std::vector<stage::Camera> cameras_of(const Rig& rig) {
         if (!first[shot.camera]) first[shot.camera] = &shot;
     std::vector<stage::Camera> cameras;
     for (size_t c = 0; c < rig.cameras.size(); ++c) {
-        const Lens& lens = rig.cameras[c].lens;
+        const interchange::Lens& lens = rig.cameras[c].lens;
         const media::ImageSize size = lens.width ? media::ImageSize{lens.width, lens.height} : size_of(first[c]->image);
         cameras.push_back(make_camera(rig.cameras[c], size));
     }

@@ -86,7 +86,7 @@ media::Image grey_image(const media::Image& like, const std::vector<uint8_t>& va
 
 // Where the calibration says how large images are, others are not decoded. The rig and the source must outlive it.
 ImageReader::ExpectSize size_of_camera(const Rig& rig, uint32_t camera, const ImageSource& source) {
-    const Lens& lens = rig.cameras[camera].lens;
+    const interchange::Lens& lens = rig.cameras[camera].lens;
     if (lens.width == 0) return {};
     return [&, camera](media::ImageSize size) {
         if (size.width != lens.width || size.height != lens.height)

@@ -34,7 +34,7 @@ Taps taps_at(const Undistortion& map, glm::vec2 position) {
 
 }  // namespace
 
-Undistortion make_undistortion(const Lens& lens) {
+Undistortion make_undistortion(const interchange::Lens& lens) {
     assert(lens.width > 0 && lens.height > 0 && "a lens that knows its image's size");
     Undistortion map;
     map.width = lens.width;
@@ -46,7 +46,7 @@ Undistortion make_undistortion(const Lens& lens) {
     double corner = 0;
     for (const double x : {0.0, double{1.0 * lens.width}})
         for (const double y : {0.0, double{1.0 * lens.height}}) corner = std::max(corner, glm::length(direction(x, y)));
-    const double fold = fold_radius(lens, corner);
+    const double fold = interchange::fold_radius(lens, corner);
     if (fold < corner) map.fold_degrees = std::atan(fold) * 180 / std::numbers::pi;
     size_t seen = 0;
     for (uint32_t y = 0; y < lens.height; ++y)

@@ -4,8 +4,8 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "interchange/camera/lens.h"
 #include "media/image.h"
-#include "training/data/lens.h"
 
 namespace neuvv::training {
 
@@ -22,7 +22,7 @@ struct Undistortion {
 };
 
 // The lens must know the size of its image (assert).
-Undistortion make_undistortion(const Lens& lens);
+Undistortion make_undistortion(const interchange::Lens& lens);
 
 // Resamples bilinearly in linear light. With kForeground, colours are weighted by alpha. With kCapture they are not, as
 // RGB is then all the light that the camera saw (a plate, or an image whose camera has one). Pixels that the lens never

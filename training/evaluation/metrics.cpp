@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "media/psnr.h"
 #include "training/evaluation/flip.h"
 
 namespace neuvv::training {
@@ -15,7 +16,6 @@ namespace {
 constexpr uint32_t kWindow = 11;
 constexpr double kSigma = 1.5;
 constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // (K L)², L = 1
-constexpr double kMaxPsnr = 99;
 constexpr double kErrorWhite = 0.25;
 
 // The window along a side of `size` pixels: 11 taps, or fewer where there are fewer pixels, around the centre.
@@ -82,18 +82,12 @@ double mean_ssim(const media::Image& truth, const media::Image& result, size_t c
 Quality compare(const media::Image& truth, const media::Image& result) {
     assert(truth.width == result.width && truth.height == result.height && "images to compare have one size");
     assert(truth.width > 0 && truth.height > 0 && "images to compare have pixels");
-    uint64_t absolute = 0, squared = 0;
-    for (size_t i = 0; i < truth.rgba.size(); ++i) {
-        if (i % 4 == 3) continue;
-        const auto d = static_cast<uint64_t>(std::abs(int{truth.rgba[i]} - int{result.rgba[i]}));
-        absolute += d;
-        squared += d * d;
-    }
-    const double values = 3.0 * truth.width * truth.height;
-    const double mse = static_cast<double>(squared) / (values * 255 * 255);
+    uint64_t absolute = 0;
+    for (size_t i = 0; i < truth.rgba.size(); ++i)
+        if (i % 4 != 3) absolute += static_cast<uint64_t>(std::abs(int{truth.rgba[i]} - int{result.rgba[i]}));
     Quality quality;
-    quality.mae = static_cast<double>(absolute) / (values * 255);
-    quality.psnr = mse > 0 ? std::min(kMaxPsnr, -10 * std::log10(mse)) : kMaxPsnr;
+    quality.psnr = media::psnr_db(truth, result);
+    quality.mae = static_cast<double>(absolute) / (3.0 * truth.width * truth.height * 255);
     for (size_t c = 0; c < 3; ++c) quality.ssim += mean_ssim(truth, result, c) / 3;
     quality.flip = mean_of(flip(truth, result));
     return quality;

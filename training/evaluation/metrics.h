@@ -8,7 +8,7 @@
 namespace neuvv::training {
 
 struct Quality {
-    double psnr = 0;  // dB: −10·log10(mean over pixels and channels of squared error), at most 99
+    double psnr = 0;  // dB (media::psnr_db)
     // Wang et al. 2004: 11×11 Gaussian window, σ 1.5, K1 0.01, K2 0.03; the mean over RGB and over pixels whose whole
     // window lies inside the image (scikit-image's gaussian_weights=True, use_sample_covariance=False).
     double ssim = 0;

@@ -17,8 +17,8 @@ enum class PlenoctreeColours {
 enum class UpAxis { kZ, kY };
 
 // Reads a PlenOctree as a clip of one frame. With kZ it is turned to +Y up, (x, y, z) → (x, z, −y), as the poses of a
-// transforms.json are (training/data/layouts/rig/transforms.h). A = (1), and w^σ is the file's σ; its unit is 1/m, as
-// the file's unit of length is taken to be metres. γ = π/2 in all leaves, and of the colour weights only w_llm = k_lm /
+// transforms.json are (interchange/camera/transforms.h). A = (1), and w^σ is the file's σ; its unit is 1/m, as the
+// file's unit of length is taken to be metres. γ = π/2 in all leaves, and of the colour weights only w_llm = k_lm /
 // R_ll(π/2) differ from 0, so that k are the SH coefficients of the slice; svox' Y_lm are those of sh.glsl times
 // (−1)^m. Leaves of σ ≤ 0 are left out; a σ above kMaxHalf becomes that, which is as opaque. Reading takes about five
 // times the memory of the array `data`.

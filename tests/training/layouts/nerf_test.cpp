@@ -135,8 +135,8 @@ TEST_F(Nerfstudio, LensesAndPoses) {
     ASSERT_EQ(train.cameras.size(), 7u);
     ASSERT_EQ(test.cameras.size(), 2u);  // the first and the ninth
     expect_level(test.cameras[1].world_from_camera, 8);
-    const training::Lens& lens = test.cameras[0].lens;
-    EXPECT_EQ(lens.model, training::LensModel::kBrown);
+    const interchange::Lens& lens = test.cameras[0].lens;
+    EXPECT_EQ(lens.model, interchange::LensModel::kBrown);
     EXPECT_EQ(lens.fx, 12);
     EXPECT_EQ(lens.fy, 11);
     EXPECT_EQ(lens.cx, 5.25);
@@ -156,7 +156,7 @@ TEST_F(Nerfstudio, LensesAndPoses) {
     good["camera_model"] = "OPENCV_FISHEYE";
     good["p1"] = good["p2"] = 0;
     good["k4"] = 0.002;
-    EXPECT_EQ(rig().cameras[0].lens.model, training::LensModel::kFisheye);
+    EXPECT_EQ(rig().cameras[0].lens.model, interchange::LensModel::kFisheye);
     EXPECT_EQ(rig().cameras[0].lens.k[3], 0.002);
     good["camera_model"] = "PINHOLE";
     for (const char* key : {"k1", "k2", "k3", "k4"}) good.erase(key);
@@ -261,7 +261,7 @@ struct Sequences : NerfTest {
 TEST_F(Sequences, AFolderHasTheFramesOfItsCamera) {
     const training::Rig train = rig(), test = rig(training::Split::kTest);
     ASSERT_EQ(train.cameras.size(), 2u);
-    EXPECT_EQ(train.cameras[0].lens.model, training::LensModel::kFisheye);
+    EXPECT_EQ(train.cameras[0].lens.model, interchange::LensModel::kFisheye);
     ASSERT_EQ(train.shots.size(), 5u);
     EXPECT_EQ(train.shots[0].name, "images_cam1_9");
     EXPECT_EQ(train.shots[0].time, 0.5) << "cam1 has no frame 8, and others have: the same as in the test split";

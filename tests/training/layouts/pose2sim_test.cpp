@@ -84,8 +84,8 @@ TEST_F(Pose2Sim, VideosOfOtherNamesBelongToCamerasByOrder) {
     const training::Rig rig = read();
     ASSERT_EQ(rig.cameras.size(), 2u);
     EXPECT_EQ(rig.cameras[0].name, "middle");
-    EXPECT_EQ(rig.cameras[0].lens.model, training::LensModel::kBrown);
-    EXPECT_EQ(rig.cameras[1].lens.model, training::LensModel::kFisheye) << "cam_10 is the last in natural order";
+    EXPECT_EQ(rig.cameras[0].lens.model, interchange::LensModel::kBrown);
+    EXPECT_EQ(rig.cameras[1].lens.model, interchange::LensModel::kFisheye) << "cam_10 is the last in natural order";
     ASSERT_EQ(rig.remarks.size(), 3u);
     EXPECT_EQ(rig.remarks[1], "camera cam_2: videos/middle.*, by their order");
     write_videos({"another"});

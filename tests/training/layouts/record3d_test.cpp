@@ -53,7 +53,7 @@ TEST_F(Record3D, APointFallsWhereItShould) {
 
 TEST_F(Record3D, AnImagesOwnIntrinsicsWin) {
     metadata["perFrameIntrinsicCoeffs"] = {{1, 1, 1, 1}, {80, 85, 30, 20}};
-    const training::Lens lens = read().cameras.at(0).lens;
+    const interchange::Lens lens = read().cameras.at(0).lens;
     EXPECT_EQ(lens.fx, 80);
     EXPECT_EQ(lens.fy, 85);
     EXPECT_EQ(lens.cx, 30);

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "interchange/camera/camera_path_file.h"
 #include "support/input_error.h"
 #include "support/sphere_capture.h"
-#include "training/data/camera_path_file.h"
 #include "training/data/dataset.h"
 #include "training/data/layouts/formats.h"
 #include "voctree/files/world_frame.h"
@@ -114,11 +114,11 @@ TEST_F(Placed, AClipIsMeasuredInItsOwnFrame) {
 TEST_F(Placed, CameraPathsHaveTheCapturesCoordinates) {
     load({400000, 0, 300000}, 1);
     const WorldFrame frame{{400000, 0, 300000}, 1};
-    const stage::CameraPath path = training::read_camera_path(folder.path / "transforms_train.json", 25, frame);
+    const stage::CameraPath path = interchange::read_camera_path(folder.path / "transforms_train.json", 25, frame);
     for (int axis = 0; axis < 3; ++axis)
         EXPECT_NEAR(path.keys[2].position[axis], near.cameras[2].world_from_camera[3][axis], 1e-9);
-    training::write_camera_path(folder.path / "path.json", training::in_capture(path, frame));
-    EXPECT_NEAR(training::read_camera_path(folder.path / "path.json", 25).keys[2].position.x,
+    interchange::write_camera_path(folder.path / "path.json", interchange::in_capture(path, frame));
+    EXPECT_NEAR(interchange::read_camera_path(folder.path / "path.json", 25).keys[2].position.x,
                 400000 + near.cameras[2].world_from_camera[3].x, 1e-9);
 }
 

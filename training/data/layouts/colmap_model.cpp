@@ -27,28 +27,28 @@ struct LensKind {
     int id;
     const char* name;
     bool one_focal;
-    LensModel model;
+    interchange::LensModel model;
     const char* rest;
 
     size_t parameters() const { return (one_focal ? 3 : 4) + std::strlen(rest); }
 };
 constexpr LensKind kLensKinds[] = {
-    {0, "SIMPLE_PINHOLE", true, LensModel::kPinhole, ""},
-    {1, "PINHOLE", false, LensModel::kPinhole, ""},
-    {2, "SIMPLE_RADIAL", true, LensModel::kBrown, "1"},
-    {3, "RADIAL", true, LensModel::kBrown, "12"},
-    {4, "OPENCV", false, LensModel::kBrown, "12pq"},
-    {5, "OPENCV_FISHEYE", false, LensModel::kFisheye, "1234"},
-    {6, "FULL_OPENCV", false, LensModel::kBrown, "12pq3456"},
-    {7, "FOV", false, LensModel::kFov, "1"},
-    {8, "SIMPLE_RADIAL_FISHEYE", true, LensModel::kFisheye, "1"},
-    {9, "RADIAL_FISHEYE", true, LensModel::kFisheye, "12"},
-    {10, "THIN_PRISM_FISHEYE", false, LensModel::kFisheye, "12pq34st"},
+    {0, "SIMPLE_PINHOLE", true, interchange::LensModel::kPinhole, ""},
+    {1, "PINHOLE", false, interchange::LensModel::kPinhole, ""},
+    {2, "SIMPLE_RADIAL", true, interchange::LensModel::kBrown, "1"},
+    {3, "RADIAL", true, interchange::LensModel::kBrown, "12"},
+    {4, "OPENCV", false, interchange::LensModel::kBrown, "12pq"},
+    {5, "OPENCV_FISHEYE", false, interchange::LensModel::kFisheye, "1234"},
+    {6, "FULL_OPENCV", false, interchange::LensModel::kBrown, "12pq3456"},
+    {7, "FOV", false, interchange::LensModel::kFov, "1"},
+    {8, "SIMPLE_RADIAL_FISHEYE", true, interchange::LensModel::kFisheye, "1"},
+    {9, "RADIAL_FISHEYE", true, interchange::LensModel::kFisheye, "12"},
+    {10, "THIN_PRISM_FISHEYE", false, interchange::LensModel::kFisheye, "12pq34st"},
 };
 
 struct ModelCamera {
     uint64_t width = 0, height = 0;
-    Lens lens;
+    interchange::Lens lens;
 };
 
 struct ModelImage {
@@ -64,8 +64,8 @@ struct RawModel {
     std::vector<glm::dvec3> points;
 };
 
-Lens make_lens(const LensKind& kind, const std::vector<double>& parameters) {
-    Lens lens;
+interchange::Lens make_lens(const LensKind& kind, const std::vector<double>& parameters) {
+    interchange::Lens lens;
     lens.model = kind.model;
     const double* at = parameters.data();
     lens.fx = *at++;

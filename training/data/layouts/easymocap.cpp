@@ -41,11 +41,11 @@ uint32_t read_side(const OpencvYaml& file, const std::string& key) {
     return static_cast<uint32_t>(side);
 }
 
-Lens read_lens(const OpencvYaml& file, const std::string& camera) {
+interchange::Lens read_lens(const OpencvYaml& file, const std::string& camera) {
     const std::string key = file.has("D_" + camera) ? "D_" + camera : "dist_" + camera;
     const auto distortion = file.matrix(key, {4, 5, 8});
-    Lens lens = opencv_lens(require_matrix(file, "K_" + camera, 9), distortion.value_or(std::vector<double>()), false,
-                            file.file(), "K_" + camera);
+    interchange::Lens lens = opencv_lens(require_matrix(file, "K_" + camera, 9),
+                                         distortion.value_or(std::vector<double>()), false, file.file(), "K_" + camera);
     lens.width = read_side(file, "W_" + camera);
     lens.height = read_side(file, "H_" + camera);
     return lens;

@@ -18,11 +18,11 @@
 #include <set>
 
 #include "base/error.h"
-#include "training/data/layouts/rig/calibration.h"
-#include "training/data/layouts/rig/camera_folders.h"
-#include "training/data/layouts/rig/candidates.h"
-#include "training/data/layouts/rig/json_pose.h"
-#include "training/data/layouts/rig/xml_file.h"
+#include "interchange/camera/json_pose.h"
+#include "training/data/layouts/calibration.h"
+#include "training/data/layouts/camera_folders.h"
+#include "training/data/layouts/candidates.h"
+#include "training/data/layouts/xml_file.h"
 
 namespace neuvv::training {
 
@@ -46,13 +46,13 @@ uint32_t metashape_side(const XmlNode& resolution, const char* name) {
     return static_cast<uint32_t>(side);
 }
 
-Lens metashape_lens(const XmlNode& calibration) {
+interchange::Lens metashape_lens(const XmlNode& calibration) {
     const std::string type = calibration.text("type", "frame");
     const bool fisheye = type == "fisheye" || type == "equidistant_fisheye";
     if (type != "frame" && !fisheye)
         calibration.fail(fmt::format("is of the type {:.40}, which is not modelled", type),
                          "export undistorted images and their cameras from Metashape");
-    Lens lens;
+    interchange::Lens lens;
     const XmlNode resolution = calibration.child("resolution");
     lens.width = metashape_side(resolution, "width");
     lens.height = metashape_side(resolution, "height");
@@ -76,12 +76,12 @@ Lens metashape_lens(const XmlNode& calibration) {
     else if (k4 != 0)
         calibration.fail("has a k4, and only fisheye lenses are modelled with four radial terms",
                          "optimise in Metashape without k4, or export undistorted images");
-    lens.model = fisheye ? LensModel::kFisheye : LensModel::kBrown;
+    lens.model = fisheye ? interchange::LensModel::kFisheye : interchange::LensModel::kBrown;
     return lens;
 }
 
 // The lens of a sensor: what Metashape adjusted, rather than what it was given.
-Lens read_sensor(const XmlNode& sensor) {
+interchange::Lens read_sensor(const XmlNode& sensor) {
     const std::vector<XmlNode> calibrations = sensor.children("calibration");
     if (calibrations.empty()) sensor.fail("has no calibration", "align the photos in Metashape");
     const XmlNode* chosen = &calibrations[0];
@@ -108,7 +108,8 @@ std::optional<Similarity> read_similarity(const XmlNode& owner) {
         result.translation = {t[0], t[1], t[2]};
     }
     if (const auto scale = transform->find("scale")) result.scale = scale->numbers(1)[0];
-    if (!(result.scale > 1 / kMaxDistance_m && result.scale < kMaxDistance_m)) transform->fail("has no scale");
+    if (!(result.scale > 1 / interchange::kMaxDistance_m && result.scale < interchange::kMaxDistance_m))
+        transform->fail("has no scale");
     return result;
 }
 
@@ -249,7 +250,7 @@ class Cameras {
         if (geocentric != geocentric_)
             node.fail("stands on the earth where cameras before it stand at its centre, or the reverse",
                       "choose Local Coordinates in the chunk's reference settings, and export again");
-        if (!geocentric) pose = glm::dmat4(kYUpFromZUp) * pose;
+        if (!geocentric) pose = glm::dmat4(interchange::kYUpFromZUp) * pose;
     }
 
     void describe(size_t cameras) {

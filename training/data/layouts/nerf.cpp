@@ -35,7 +35,8 @@ void note_other_files(Rig& rig) {
 
 // Says where a file gives a focal length and an angle of view that contradict each other, as after a scaling of the
 // images of which only one knows.
-void note_contradicting_angle(Rig& rig, const Intrinsics& in, const RigCamera& camera, const std::string& place) {
+void note_contradicting_angle(Rig& rig, const interchange::Intrinsics& in, const RigCamera& camera,
+                              const std::string& place) {
     constexpr double kTolerance = 0.01;
     const auto differs = [&](std::optional<double> pixels, std::optional<double> angle, double side) {
         return pixels && angle && std::abs(0.5 * side / std::tan(0.5 * *angle) / *pixels - 1) > kTolerance;
@@ -50,16 +51,18 @@ void note_contradicting_angle(Rig& rig, const Intrinsics& in, const RigCamera& c
         rig.remarks.push_back(remark);
 }
 
-std::string stem(const TransformsFrame& frame) {
+std::string stem(const interchange::TransformsFrame& frame) {
     return std::filesystem::path(frame.file_path).stem().string();
 }
 
 // Where no frame has a time and a camera has several, images of one name are of one time, whatever their split: the
 // i-th of N names has the time i/(N−1).
-void time_by_name(const Rig& rig, std::vector<ImageFrame>& frames, const std::vector<TransformsFrame>& others) {
-    std::vector<TransformsFrame> all = others;
+void time_by_name(const Rig& rig, std::vector<ImageFrame>& frames,
+                  const std::vector<interchange::TransformsFrame>& others) {
+    std::vector<interchange::TransformsFrame> all = others;
     for (const ImageFrame& frame : frames) all.push_back(frame.frame);
-    if (std::ranges::any_of(all, [](const TransformsFrame& frame) { return frame.time.has_value(); })) return;
+    if (std::ranges::any_of(all, [](const interchange::TransformsFrame& frame) { return frame.time.has_value(); }))
+        return;
     const std::vector<uint32_t> cameras = number_cameras(all);
     std::set<std::pair<uint32_t, std::string>> images;  // an image, or a copy of it, may be of two splits
     std::map<std::string, double, NaturalOrder> times;
@@ -80,14 +83,15 @@ void time_by_name(const Rig& rig, std::vector<ImageFrame>& frames, const std::ve
     for (ImageFrame& frame : frames) frame.frame.time = times.at(stem(frame.frame));
 }
 
-RigCamera make_camera(Rig& rig, const TransformsFrame& frame, const std::string& name, ImageSource first_image) {
-    const Intrinsics& in = frame.intrinsics;
+RigCamera make_camera(Rig& rig, const interchange::TransformsFrame& frame, const std::string& name,
+                      ImageSource first_image) {
+    const interchange::Intrinsics& in = frame.intrinsics;
     first_image.as_stored = rig.images_as_stored;
     const media::ImageSize size = in.width ? media::ImageSize{in.width, in.height} : size_of(first_image);
     RigCamera camera;
     camera.name = name;
     camera.world_from_camera = frame.world_from_camera;
-    camera.lens = make_lens(in, size.width, size.height);
+    camera.lens = interchange::make_lens(in, size.width, size.height);
     note_contradicting_angle(rig, in, camera, frame.place);
     if (!frame.background_path.empty())
         camera.plate.path = find_image(rig, frame.background_path, frame.place + ".background_path");
@@ -96,7 +100,7 @@ RigCamera make_camera(Rig& rig, const TransformsFrame& frame, const std::string&
 
 // A name for each camera of these frames: the folder of its images where each camera has one of its own, else what the
 // names of its images have in common, else its number.
-std::vector<std::string> names_of_cameras(const std::vector<TransformsFrame>& frames,
+std::vector<std::string> names_of_cameras(const std::vector<interchange::TransformsFrame>& frames,
                                           const std::vector<uint32_t>& cameras) {
     const size_t count = frames.empty() ? 0 : 1 + *std::ranges::max_element(cameras);
     std::vector<std::set<std::string>> folders(count);
@@ -125,8 +129,9 @@ std::vector<std::string> names_of_cameras(const std::vector<TransformsFrame>& fr
 }
 
 // `others`: the frames of the other splits, from whose cameras names must differ.
-void add_cameras_and_shots(Rig& rig, const std::vector<ImageFrame>& images, std::vector<TransformsFrame> others) {
-    std::vector<TransformsFrame> frames;
+void add_cameras_and_shots(Rig& rig, const std::vector<ImageFrame>& images,
+                           std::vector<interchange::TransformsFrame> others) {
+    std::vector<interchange::TransformsFrame> frames;
     for (const ImageFrame& image : images) frames.push_back(image.frame);
     const std::vector<uint32_t> cameras = number_cameras(frames);
     others.insert(others.begin(), frames.begin(), frames.end());  // first, so that numbers are those of `cameras`
@@ -134,9 +139,9 @@ void add_cameras_and_shots(Rig& rig, const std::vector<ImageFrame>& images, std:
     for (size_t i = 0; i < others.size(); ++i)
         if (all[i] == rig.poses.size()) rig.poses.push_back(others[i].world_from_camera);
     const std::vector<std::string> names = names_of_cameras(others, all);
-    std::vector<const TransformsFrame*> first;  // by camera
+    std::vector<const interchange::TransformsFrame*> first;  // by camera
     for (size_t i = 0; i < frames.size(); ++i) {
-        const TransformsFrame& frame = frames[i];
+        const interchange::TransformsFrame& frame = frames[i];
         Shot shot;
         shot.camera = cameras[i];
         shot.time = frame.time.value_or(0);
@@ -182,10 +187,11 @@ void find_masks(Rig& rig, const std::vector<ImageFrame>& frames) {
 
 // Names each image after its file; where another image of any split has the same name, folders become part of the
 // names.
-void name_shots(Rig& rig, const std::vector<ImageFrame>& frames, const std::vector<TransformsFrame>& others) {
+void name_shots(Rig& rig, const std::vector<ImageFrame>& frames,
+                const std::vector<interchange::TransformsFrame>& others) {
     std::map<std::string, int> uses;
     for (const ImageFrame& image : frames) ++uses[stem(image.frame)];
-    for (const TransformsFrame& frame : others) ++uses[stem(frame)];
+    for (const interchange::TransformsFrame& frame : others) ++uses[stem(frame)];
     const bool distinct = std::all_of(uses.begin(), uses.end(), [](const auto& use) { return use.second == 1; });
     for (size_t i = 0; i < frames.size(); ++i) {
         const ImageSource& image = frames[i].image;
@@ -220,7 +226,7 @@ Rig read_nerf_rig(const std::filesystem::path& folder, Split split) {
     note_endings(rig, transforms.frames);
     const Sequences sequences = find_sequences(rig, transforms.frames, other_frames);
     std::vector<ImageFrame> images = image_frames(rig, transforms.frames, sequences);
-    const std::vector<TransformsFrame> others = spread_frames(rig, other_frames, sequences);
+    const std::vector<interchange::TransformsFrame> others = spread_frames(rig, other_frames, sequences);
     has_everywhere(rig, images, "time", [](const auto& image) { return image.frame.time.has_value(); });
     time_by_name(rig, images, others);
     add_cameras_and_shots(rig, images, others);

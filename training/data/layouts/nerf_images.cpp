@@ -25,7 +25,8 @@ std::filesystem::path image_at(const std::filesystem::path& folder, const std::s
 }
 
 // The images of a frame that names a folder or a video; empty where it names an image, or what does not exist.
-std::vector<ImageFrame> images_of_sequence(const Rig& rig, const TransformsFrame& from, const Sequences& sequences) {
+std::vector<ImageFrame> images_of_sequence(const Rig& rig, const interchange::TransformsFrame& from,
+                                           const Sequences& sequences) {
     const auto found = sequences.find(from.file_path);
     if (found == sequences.end()) return {};
     if (from.time)
@@ -47,10 +48,10 @@ std::vector<ImageFrame> images_of_sequence(const Rig& rig, const TransformsFrame
 }  // namespace
 
 // Where a path has no ending, the .png counts, as in D-NeRF's own loader.
-void note_endings(Rig& rig, const std::vector<TransformsFrame>& frames) {
+void note_endings(Rig& rig, const std::vector<interchange::TransformsFrame>& frames) {
     size_t count = 0;
     std::string first, other;
-    for (const TransformsFrame& frame : frames) {
+    for (const interchange::TransformsFrame& frame : frames) {
         const std::filesystem::path image = image_at(rig.folder, frame.file_path);
         if (image.empty() || image == rig.folder / frame.file_path) continue;
         for (const char* ending : {".png", ".jpg", ".jpeg"}) {
@@ -72,11 +73,11 @@ std::filesystem::path find_image(const Rig& rig, const std::string& path, const 
                      "put it there or correct the path");
 }
 
-Sequences find_sequences(Rig& rig, const std::vector<TransformsFrame>& first,
-                         const std::vector<TransformsFrame>& others) {
+Sequences find_sequences(Rig& rig, const std::vector<interchange::TransformsFrame>& first,
+                         const std::vector<interchange::TransformsFrame>& others) {
     std::map<std::string, CameraFrames> found;
-    for (const std::vector<TransformsFrame>* frames : {&first, &others})
-        for (const TransformsFrame& from : *frames) {
+    for (const std::vector<interchange::TransformsFrame>* frames : {&first, &others})
+        for (const interchange::TransformsFrame& from : *frames) {
             const std::filesystem::path path = rig.folder / from.file_path, mask = rig.folder / from.mask_path;
             const std::filesystem::path image = image_at(rig.folder, from.file_path);
             if (from.file_path.empty() || (!image.empty() && !is_video(image)) || found.contains(from.file_path))
@@ -101,10 +102,10 @@ Sequences find_sequences(Rig& rig, const std::vector<TransformsFrame>& first,
     return sequences;
 }
 
-std::vector<ImageFrame> image_frames(const Rig& rig, const std::vector<TransformsFrame>& frames,
+std::vector<ImageFrame> image_frames(const Rig& rig, const std::vector<interchange::TransformsFrame>& frames,
                                      const Sequences& sequences) {
     std::vector<ImageFrame> result;
-    for (const TransformsFrame& frame : frames) {
+    for (const interchange::TransformsFrame& frame : frames) {
         if (frame.file_path.empty()) throw InputError(rig.file, frame.place, "has no file_path", "name its image");
         std::vector<ImageFrame> sequence = images_of_sequence(rig, frame, sequences);
         if (sequence.empty()) {
@@ -117,10 +118,11 @@ std::vector<ImageFrame> image_frames(const Rig& rig, const std::vector<Transform
     return result;
 }
 
-std::vector<TransformsFrame> spread_frames(const Rig& rig, const std::vector<TransformsFrame>& frames,
-                                           const Sequences& sequences) {
-    std::vector<TransformsFrame> result;
-    for (const TransformsFrame& frame : frames) {
+std::vector<interchange::TransformsFrame> spread_frames(const Rig& rig,
+                                                        const std::vector<interchange::TransformsFrame>& frames,
+                                                        const Sequences& sequences) {
+    std::vector<interchange::TransformsFrame> result;
+    for (const interchange::TransformsFrame& frame : frames) {
         const std::vector<ImageFrame> sequence = images_of_sequence(rig, frame, sequences);
         if (sequence.empty()) result.push_back(frame);
         for (const ImageFrame& image : sequence) result.push_back(image.frame);

@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "interchange/camera/transforms.h"
 #include "training/data/layouts/rig/camera_folders.h"
 #include "training/data/layouts/rig/rig.h"
-#include "training/data/layouts/rig/transforms.h"
 
 namespace neuvv::training {
 
 // A frame of the file, or one image of the folder or of the video that it names: its file_path then ends in the name of
 // the image, or in the number of the video's frame.
 struct ImageFrame {
-    TransformsFrame frame;
+    interchange::TransformsFrame frame;
     ImageSource image, mask;
 };
 
@@ -26,18 +26,19 @@ struct Sequence {
 using Sequences = std::map<std::string, Sequence>;  // by file_path
 
 // Those that frames of all splits name. Frames of videos are named by their times.
-Sequences find_sequences(Rig& rig, const std::vector<TransformsFrame>& first,
-                         const std::vector<TransformsFrame>& others);
+Sequences find_sequences(Rig& rig, const std::vector<interchange::TransformsFrame>& first,
+                         const std::vector<interchange::TransformsFrame>& others);
 // Throws InputError where there is no image.
-std::vector<ImageFrame> image_frames(const Rig& rig, const std::vector<TransformsFrame>& frames,
+std::vector<ImageFrame> image_frames(const Rig& rig, const std::vector<interchange::TransformsFrame>& frames,
                                      const Sequences& sequences);
 // The frames of the other splits, with their sequences spread out. Their images need not exist.
-std::vector<TransformsFrame> spread_frames(const Rig& rig, const std::vector<TransformsFrame>& frames,
-                                           const Sequences& sequences);
+std::vector<interchange::TransformsFrame> spread_frames(const Rig& rig,
+                                                        const std::vector<interchange::TransformsFrame>& frames,
+                                                        const Sequences& sequences);
 
 // The image of this path. Throws InputError with the place in the file where there is none.
 std::filesystem::path find_image(const Rig& rig, const std::string& path, const std::string& place);
 // Notes in rig.remarks which images were read where several endings fit.
-void note_endings(Rig& rig, const std::vector<TransformsFrame>& frames);
+void note_endings(Rig& rig, const std::vector<interchange::TransformsFrame>& frames);
 
 }  // namespace neuvv::training

@@ -17,9 +17,9 @@ namespace {
 // Frames are of the same camera where these numbers are equal: pose and intrinsics as the file gives them.
 using CameraIdentity = std::vector<double>;
 
-CameraIdentity identity(const TransformsFrame& frame) {
+CameraIdentity identity(const interchange::TransformsFrame& frame) {
     constexpr double kAbsent = std::numeric_limits<double>::infinity();
-    const Intrinsics& in = frame.intrinsics;
+    const interchange::Intrinsics& in = frame.intrinsics;
     CameraIdentity key = {in.fl_x.value_or(kAbsent),
                           in.camera_angle_x.value_or(kAbsent),
                           in.camera_angle_y.value_or(kAbsent),
@@ -52,12 +52,13 @@ SplitFrames read_files_of_all_splits(const std::filesystem::path& folder) {
     for (const char* split : {"train", "test"}) {
         const auto file = split_file(folder, split);
         if (!holds_file(file)) continue;
-        Transforms transforms = read_transforms(file);
+        interchange::Transforms transforms = interchange::read_transforms(file);
         if (result.file.empty()) {
             result.file = file;
             result.transforms = std::move(transforms);
         } else {
-            for (TransformsFrame& frame : transforms.frames) result.transforms.frames.push_back(std::move(frame));
+            for (interchange::TransformsFrame& frame : transforms.frames)
+                result.transforms.frames.push_back(std::move(frame));
         }
     }
     if (result.file.empty())
@@ -70,11 +71,12 @@ SplitFrames read_file_of_split(const std::filesystem::path& folder, Split split)
     if (split == Split::kAll) return read_files_of_all_splits(folder);
     SplitFrames result;
     result.file = split_file(folder, name_of(split));
-    result.transforms = read_transforms(result.file);
+    result.transforms = interchange::read_transforms(result.file);
     for (const char* other : kSplitNames) {
         const auto file = split_file(folder, other);
         if (file == result.file || !holds_file(file)) continue;
-        for (TransformsFrame& frame : read_transforms(file).frames) result.other_frames.push_back(std::move(frame));
+        for (interchange::TransformsFrame& frame : interchange::read_transforms(file).frames)
+            result.other_frames.push_back(std::move(frame));
     }
     return result;
 }
@@ -84,7 +86,7 @@ std::string normal(const std::string& path) {
 }
 
 // Which frames are of the split by nerfstudio's lists.
-std::vector<bool> members_by_list(const std::string& file, const Transforms& all, Split split) {
+std::vector<bool> members_by_list(const std::string& file, const interchange::Transforms& all, Split split) {
     std::map<std::string, size_t> list_of;
     for (size_t s = 0; s < all.split_files.size(); ++s)
         for (const std::string& path : all.split_files[s].value_or(std::vector<std::string>()))
@@ -94,7 +96,7 @@ std::vector<bool> members_by_list(const std::string& file, const Transforms& all
                                  "keep training and test apart");
     std::vector<bool> members;
     std::set<std::string> frames;
-    for (const TransformsFrame& frame : all.frames) {
+    for (const interchange::TransformsFrame& frame : all.frames) {
         const auto listed = list_of.find(*frames.insert(normal(frame.file_path)).first);
         members.push_back(listed != list_of.end() && listed->second == static_cast<size_t>(split));
     }
@@ -109,7 +111,7 @@ std::vector<bool> members_by_list(const std::string& file, const Transforms& all
 }
 
 // Which frames are of the split where every 8th camera is held out for the test.
-std::vector<bool> members_by_camera(const std::string& file, const Transforms& all, Split split) {
+std::vector<bool> members_by_camera(const std::string& file, const interchange::Transforms& all, Split split) {
     if (split == Split::kVal)
         throw InputError(file, "", "has no validation split", "give val_filenames or transforms_val.json");
     const std::vector<uint32_t> cameras = number_cameras(all.frames);
@@ -124,12 +126,12 @@ std::vector<bool> members_by_camera(const std::string& file, const Transforms& a
 SplitFrames read_shared_file(const std::filesystem::path& folder, Split split) {
     SplitFrames result;
     result.file = folder / "transforms.json";
-    Transforms& all = result.transforms = read_transforms(result.file);
+    interchange::Transforms& all = result.transforms = interchange::read_transforms(result.file);
     if (split == Split::kAll) return result;
     const bool listed =
         std::any_of(all.split_files.begin(), all.split_files.end(), [](const auto& list) { return list.has_value(); });
     const std::vector<bool> members = (listed ? members_by_list : members_by_camera)(result.file.string(), all, split);
-    std::vector<TransformsFrame> kept;
+    std::vector<interchange::TransformsFrame> kept;
     for (size_t i = 0; i < all.frames.size(); ++i) {
         (members[i] ? kept : result.other_frames).push_back(std::move(all.frames[i]));
     }
@@ -139,11 +141,11 @@ SplitFrames read_shared_file(const std::filesystem::path& folder, Split split) {
 
 }  // namespace
 
-std::vector<uint32_t> number_cameras(const std::vector<TransformsFrame>& frames) {
+std::vector<uint32_t> number_cameras(const std::vector<interchange::TransformsFrame>& frames) {
     std::map<CameraIdentity, uint32_t> seen;
     std::vector<uint32_t> cameras;
     cameras.reserve(frames.size());
-    for (const TransformsFrame& frame : frames)
+    for (const interchange::TransformsFrame& frame : frames)
         cameras.push_back(seen.try_emplace(identity(frame), static_cast<uint32_t>(seen.size())).first->second);
     return cameras;
 }

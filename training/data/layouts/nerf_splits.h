@@ -4,16 +4,16 @@
 #include <filesystem>
 #include <vector>
 
+#include "interchange/camera/transforms.h"
 #include "training/data/layouts/rig/rig.h"
-#include "training/data/layouts/rig/transforms.h"
 
 namespace neuvv::training {
 
 // The frames of a split, and the file that has them.
 struct SplitFrames {
     std::filesystem::path file;
-    Transforms transforms;
-    std::vector<TransformsFrame> other_frames;  // of the other splits
+    interchange::Transforms transforms;
+    std::vector<interchange::TransformsFrame> other_frames;  // of the other splits
 };
 
 // Of transforms_train.json and the like, or of transforms.json. Throws InputError.
@@ -25,7 +25,7 @@ bool is_split_file(const std::filesystem::path& folder, const std::filesystem::p
 
 // The number of each frame's camera, in order of first use. Frames are of one camera where pose and intrinsics are
 // equal.
-std::vector<uint32_t> number_cameras(const std::vector<TransformsFrame>& frames);
+std::vector<uint32_t> number_cameras(const std::vector<interchange::TransformsFrame>& frames);
 
 // Whether there is such a file; false where that cannot be asked.
 bool holds_file(const std::filesystem::path& file);

@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/formats/json.h"
+#include "base/json.h"
+#include "interchange/camera/json_pose.h"
 #include "media/image.h"
 #include "training/data/image_reader.h"
-#include "training/data/layouts/rig/calibration.h"
-#include "training/data/layouts/rig/camera_folders.h"
-#include "training/data/layouts/rig/candidates.h"
-#include "training/data/layouts/rig/json_pose.h"
+#include "training/data/layouts/calibration.h"
+#include "training/data/layouts/camera_folders.h"
+#include "training/data/layouts/candidates.h"
 
 namespace neuvv::training {
 
@@ -28,7 +28,7 @@ RigCamera polycam_camera(const JsonNode& root, const std::string& name) {
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column)
             camera.world_from_camera[column][row] = json_number(root[fmt::format("t_{}{}", row, column).c_str()]);
-    expect_rigid(root, camera.world_from_camera);
+    interchange::expect_rigid(root, camera.world_from_camera);
     camera.lens.fx = json_number(root["fx"]);
     camera.lens.fy = json_number(root["fy"]);
     camera.lens.cx = json_number(root["cx"]);

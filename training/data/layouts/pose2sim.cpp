@@ -16,10 +16,10 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "base/text.h"
-#include "training/data/layouts/rig/calibration.h"
-#include "training/data/layouts/rig/camera_folders.h"
-#include "training/data/layouts/rig/candidates.h"
-#include "training/data/layouts/rig/json_pose.h"
+#include "interchange/camera/json_pose.h"
+#include "training/data/layouts/calibration.h"
+#include "training/data/layouts/camera_folders.h"
+#include "training/data/layouts/candidates.h"
 
 namespace neuvv::training {
 
@@ -89,7 +89,7 @@ CalibratedCamera camera_of(const TomlCamera& from) {
     camera.lens.width = whole_side(from, size[0]);
     camera.lens.height = whole_side(from, size[1]);
     const glm::dmat3 rotation = opencv_rotation(from.numbers("rotation", 3, 9), from.file, from.place());
-    camera.world_from_camera = glm::dmat4(kYUpFromZUp) * world_from_opencv(rotation, {t[0], t[1], t[2]});
+    camera.world_from_camera = glm::dmat4(interchange::kYUpFromZUp) * world_from_opencv(rotation, {t[0], t[1], t[2]});
     expect_sound(camera, from.file, from.place());
     return result;
 }

@@ -13,11 +13,11 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "training/data/layouts/rig/calibration.h"
-#include "training/data/layouts/rig/camera_folders.h"
-#include "training/data/layouts/rig/candidates.h"
-#include "training/data/layouts/rig/json_pose.h"
-#include "training/data/layouts/rig/xml_file.h"
+#include "interchange/camera/json_pose.h"
+#include "training/data/layouts/calibration.h"
+#include "training/data/layouts/camera_folders.h"
+#include "training/data/layouts/candidates.h"
+#include "training/data/layouts/xml_file.h"
 
 namespace neuvv::training {
 
@@ -55,10 +55,10 @@ double units_per_pixel(const XmlNode& intrinsic, const XmlNode& whole_video) {
     return kSubpixels * binning;
 }
 
-Lens video_lens(const XmlNode& camera, double distortion_units) {
+interchange::Lens video_lens(const XmlNode& camera, double distortion_units) {
     const XmlNode intrinsic = camera.child("intrinsic"), video = camera.child("fov_video");
     const double unit = units_per_pixel(intrinsic, camera.find("fov_video_max").value_or(video));
-    Lens lens;
+    interchange::Lens lens;
     lens.fx = intrinsic.number("focalLengthU") / unit;
     lens.fy = intrinsic.number("focalLengthV") / unit;
     lens.cx = intrinsic.number("centerPointU") / unit - video.number("left");
@@ -67,7 +67,7 @@ Lens video_lens(const XmlNode& camera, double distortion_units) {
     if (std::abs(skew) > kMaxSkew * std::abs(lens.fx))
         intrinsic.fail(fmt::format("has a skew of {:.4g} pixels", skew), "linearise the camera without skew");
     const auto distortion = [&](const char* name) { return intrinsic.number(name, 0) / distortion_units; };
-    lens.model = LensModel::kBrown;
+    lens.model = interchange::LensModel::kBrown;
     lens.k = {distortion("radialDistortion1"), distortion("radialDistortion2"), distortion("radialDistortion3")};
     lens.p1 = distortion("tangentalDistortion1");
     lens.p2 = distortion("tangentalDistortion2");
@@ -84,9 +84,10 @@ glm::dmat4 qca_pose(const XmlNode& transform, double metre) {
     std::vector<double> numbers;
     for (const char* name : {"r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"})
         numbers.push_back(transform.number(name));
-    const glm::dmat3 axes = kYUpFromZUp * glm::transpose(opencv_rotation(numbers, transform.file, transform.place()));
+    const glm::dmat3 axes =
+        interchange::kYUpFromZUp * glm::transpose(opencv_rotation(numbers, transform.file, transform.place()));
     return {glm::dvec4(axes[0], 0), glm::dvec4(axes[1], 0), glm::dvec4(axes[2], 0),
-            glm::dvec4(kYUpFromZUp * qca_position(transform) / metre, 1)};
+            glm::dvec4(interchange::kYUpFromZUp * qca_position(transform) / metre, 1)};
 }
 
 // How many units of the positions a metre has.

@@ -21,11 +21,11 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "base/text.h"
+#include "interchange/camera/json_pose.h"
 #include "training/data/image_reader.h"
-#include "training/data/layouts/rig/calibration.h"
-#include "training/data/layouts/rig/camera_folders.h"
-#include "training/data/layouts/rig/candidates.h"
-#include "training/data/layouts/rig/json_pose.h"
+#include "training/data/layouts/calibration.h"
+#include "training/data/layouts/camera_folders.h"
+#include "training/data/layouts/candidates.h"
 
 namespace neuvv::training {
 
@@ -122,12 +122,13 @@ glm::dmat3 turn(int axis, double degrees) {
 
 glm::dmat4 pose_of(const Row& row) {
     const auto at = [&](const char* column) { return row.values.at(column); };
-    const glm::dmat3 axes = kYUpFromZUp * turn(2, -at("heading")) * turn(0, at("pitch")) * turn(1, at("roll"));
+    const glm::dmat3 axes =
+        interchange::kYUpFromZUp * turn(2, -at("heading")) * turn(0, at("pitch")) * turn(1, at("roll"));
     return {glm::dvec4(axes[0], 0), glm::dvec4(axes[1], 0), glm::dvec4(axes[2], 0),
-            glm::dvec4(kYUpFromZUp * glm::dvec3(at("x"), at("y"), at("alt")), 1)};
+            glm::dvec4(interchange::kYUpFromZUp * glm::dvec3(at("x"), at("y"), at("alt")), 1)};
 }
 
-Lens lens_of(const Row& row, media::ImageSize size, const std::string& file) {
+interchange::Lens lens_of(const Row& row, media::ImageSize size, const std::string& file) {
     const auto at = [&](const char* column) { return row.values.at(column); };
     for (const char* term : {"k4", "t1", "t2"})
         if (at(term) != 0)
@@ -135,8 +136,8 @@ Lens lens_of(const Row& row, media::ImageSize size, const std::string& file) {
                 file, row.place, fmt::format("the camera {} has a distortion {}", row.name, term),
                 "choose the distortion model Brown3 in RealityCapture's alignment settings, and align again");
     const double longer = std::max(size.width, size.height);
-    Lens lens;
-    lens.model = LensModel::kBrown;
+    interchange::Lens lens;
+    lens.model = interchange::LensModel::kBrown;
     lens.fx = lens.fy = at("f") * longer / kFilm_mm;
     lens.cx = 0.5 * size.width + at("px") * longer;
     lens.cy = 0.5 * size.height + at("py") * longer;

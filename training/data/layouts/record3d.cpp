@@ -12,13 +12,13 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "base/error.h"
-#include "base/formats/json.h"
+#include "base/json.h"
+#include "interchange/camera/json_pose.h"
 #include "media/image.h"
 #include "training/data/image_reader.h"
-#include "training/data/layouts/rig/calibration.h"
-#include "training/data/layouts/rig/camera_folders.h"
-#include "training/data/layouts/rig/candidates.h"
-#include "training/data/layouts/rig/json_pose.h"
+#include "training/data/layouts/calibration.h"
+#include "training/data/layouts/camera_folders.h"
+#include "training/data/layouts/candidates.h"
 
 namespace neuvv::training {
 
@@ -47,7 +47,8 @@ glm::dmat4 record3d_pose(const JsonNode& node) {
     std::array<double, 7> p{};
     for (size_t i = 0; i < p.size(); ++i) p[i] = json_number(node[i]);
     const glm::dquat turn(p[3], p[0], p[1], p[2]);  // glm's order is w x y z
-    if (!(std::abs(glm::length(turn) - 1) < kUnitTolerance)) node.fail("is no unit quaternion and position");
+    if (!(std::abs(glm::length(turn) - 1) < interchange::kUnitTolerance))
+        node.fail("is no unit quaternion and position");
     glm::dmat4 pose = glm::mat4_cast(glm::normalize(turn));
     pose[3] = {p[4], p[5], p[6], 1};
     return pose;

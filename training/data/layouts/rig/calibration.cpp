@@ -10,12 +10,12 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "interchange/camera/json_pose.h"
 #include "media/image.h"
 #include "media/video.h"
 #include "training/data/image_reader.h"
-#include "training/data/layouts/rig/candidates.h"
-#include "training/data/layouts/rig/json_pose.h"
-#include "training/data/layouts/rig/presentation.h"
+#include "training/data/layouts/candidates.h"
+#include "training/data/layouts/presentation.h"
 
 namespace neuvv::training {
 
@@ -55,8 +55,8 @@ glm::dmat3 opencv_rotation(const std::vector<double>& numbers, const std::string
     return rotation;
 }
 
-Lens opencv_lens(const std::vector<double>& matrix, const std::vector<double>& distortion, bool fisheye,
-                 const std::string& file, const std::string& place) {
+interchange::Lens opencv_lens(const std::vector<double>& matrix, const std::vector<double>& distortion, bool fisheye,
+                              const std::string& file, const std::string& place) {
     const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-6; };
     if (matrix.size() != 9 || !near(matrix[3], 0) || !near(matrix[6], 0) || !near(matrix[7], 0) || !near(matrix[8], 1))
         throw InputError(file, place, "is no camera matrix", "give fx 0 cx, 0 fy cy, 0 0 1");
@@ -68,16 +68,16 @@ Lens opencv_lens(const std::vector<double>& matrix, const std::vector<double>& d
         if (d[i] != 0)
             throw InputError(file, place, fmt::format("has a distortion of more than {} terms", terms),
                              fisheye ? "give k1 k2 k3 k4" : "calibrate without thin prism and tilt");
-    Lens lens;
+    interchange::Lens lens;
     lens.fx = matrix[0];
     lens.fy = matrix[4];
     lens.cx = matrix[2] + 0.5;
     lens.cy = matrix[5] + 0.5;
     if (fisheye) {
-        lens.model = LensModel::kFisheye;
+        lens.model = interchange::LensModel::kFisheye;
         for (size_t i = 0; i < std::min(d.size(), terms); ++i) lens.k[i] = d[i];
     } else if (std::any_of(d.begin(), d.end(), [](double value) { return value != 0; })) {
-        lens.model = LensModel::kBrown;
+        lens.model = interchange::LensModel::kBrown;
         const auto term = [&](size_t i) { return i < d.size() ? d[i] : 0; };
         lens.p1 = term(2);
         lens.p2 = term(3);
@@ -87,7 +87,7 @@ Lens opencv_lens(const std::vector<double>& matrix, const std::vector<double>& d
 }
 
 void fit_to_images(RigCamera& camera, ImageSource image, const Rig& rig, const std::string& place) {
-    const Lens& lens = camera.lens;
+    const interchange::Lens& lens = camera.lens;
     image.as_stored = used_as_stored(image, lens, rig.images_as_stored);
     const media::ImageSize size = size_of(image);
     if (lens.width == 0 || (lens.width == size.width && lens.height == size.height)) return;
@@ -106,7 +106,7 @@ void fit_to_images(RigCamera& camera, ImageSource image, const Rig& rig, const s
 }
 
 void expect_sound(const RigCamera& camera, const std::string& file, const std::string& place) {
-    const Lens& lens = camera.lens;
+    const interchange::Lens& lens = camera.lens;
     if (!(lens.fx > 0 && lens.fy > 0) || !within(lens.fx, kMaxPixels) || !within(lens.fy, kMaxPixels))
         throw InputError(file, place, fmt::format("has the focal lengths {:.6g} and {:.6g}", lens.fx, lens.fy),
                          "give them in pixels");
@@ -121,8 +121,9 @@ void expect_sound(const RigCamera& camera, const std::string& file, const std::s
         throw InputError(file, place, fmt::format("is for images of {}×{}", lens.width, lens.height),
                          fmt::format("a side has 1 to {} pixels", media::kMaxImageSide));
     for (int i = 0; i < 3; ++i)
-        if (!within(camera.world_from_camera[3][i], kMaxDistance_m))
-            throw InputError(file, place, fmt::format("stands more than {:g} units from the origin", kMaxDistance_m),
+        if (!within(camera.world_from_camera[3][i], interchange::kMaxDistance_m))
+            throw InputError(file, place,
+                             fmt::format("stands more than {:g} units from the origin", interchange::kMaxDistance_m),
                              "give metres, and no more digits than a GPS receiver has");
 }
 

@@ -25,8 +25,8 @@ glm::dmat3 opencv_rotation(const std::vector<double>& numbers, const std::string
 // The lens of a camera matrix (3×3, row by row) and of distortion coefficients as OpenCV orders them: k1 k2 p1 p2 k3 k4
 // k5 k6, of which the last may be missing, or k1 … k4 of a fisheye. OpenCV has the centre of the first pixel at 0, and
 // NeuVV at ½. Further terms must be 0. Throws InputError(file, place, …) for what no lens of lens.h has.
-Lens opencv_lens(const std::vector<double>& matrix, const std::vector<double>& distortion, bool fisheye,
-                 const std::string& file, const std::string& place);
+interchange::Lens opencv_lens(const std::vector<double>& matrix, const std::vector<double>& distortion, bool fisheye,
+                              const std::string& file, const std::string& place);
 
 // Scales the camera's lens to the size of its images where the calibration is for the same images at another size.
 // `image` is the first of them. A video whose pixels are not square may have the calibration's shape when it is shown.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kMaxNames = 12;  // in a remark
 
-bool same_shape(media::ImageSize a, const Lens& b) {
+bool same_shape(media::ImageSize a, const interchange::Lens& b) {
     // A scaled copy has sides of whole pixels.
     const double rounding = 1.0 / std::min(a.width, b.width) + 1.0 / std::min(a.height, b.height);
     return std::abs(double(a.width) * b.height / (double(a.height) * b.width) - 1) <= rounding;
@@ -32,7 +32,7 @@ std::string exif_note(const media::ImageHeader& header, bool as_stored, const Ri
 
 }  // namespace
 
-bool used_as_stored(const ImageSource& image, const Lens& lens, bool by_default) {
+bool used_as_stored(const ImageSource& image, const interchange::Lens& lens, bool by_default) {
     if (is_video_frame(image)) return false;
     const media::ImageHeader header = media::image_header(image.path);
     if (!media::exchanges_sides(header.orientation) || lens.width == 0 || lens.height == 0) return by_default;

@@ -10,7 +10,7 @@ namespace neuvv::training {
 
 // Whether the image is used as it is stored: by the shape that the calibration is for, where only one orientation has
 // it, else by `by_default`.
-bool used_as_stored(const ImageSource& image, const Lens& lens, bool by_default);
+bool used_as_stored(const ImageSource& image, const interchange::Lens& lens, bool by_default);
 
 // Sets ImageSource::as_stored of all images, masks and plates by each camera's first image, and adds remarks on what
 // the files say, by camera. It reads headers alone.

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "interchange/camera/lens.h"
 #include "training/data/dataset.h"
-#include "training/data/lens.h"
-#include "voctree/files/world_frame.h"
+#include "voctree/world_frame.h"
 
 namespace neuvv::training {
 
@@ -31,7 +31,7 @@ enum class MaskMeaning : uint8_t {
 
 struct RigCamera {
     std::string name;  // as in the files
-    Lens lens;
+    interchange::Lens lens;
     glm::dmat4 world_from_camera{1};  // OpenGL axes, rigid
     ImageSource plate;                // clean plate, taken with the same lens
 };

@@ -5,7 +5,7 @@
 
 #include "base/formats/json.h"
 
-namespace neuvv::training {
+namespace neuvv::interchange {
 
 // A camera's pose, 4×4 or 3×4 numbers row by row. Throws InputError where it does not end with 0 0 0 1 or where
 // expect_rigid does.
@@ -20,4 +20,4 @@ constexpr double kUnitTolerance = 1e-2;  // of a quaternion's length; some files
 // Northings of UTM have 7 digits, also in feet. Much further away, files do not write a camera's place to a millimetre.
 constexpr double kMaxDistance_m = 1e8;
 
-}  // namespace neuvv::training
+}  // namespace neuvv::interchange

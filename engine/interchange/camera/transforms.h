@@ -7,11 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "training/data/dataset.h"
-#include "training/data/layouts/rig/json_pose.h"
-#include "training/data/lens.h"
+#include "interchange/camera/json_pose.h"
+#include "interchange/camera/lens.h"
 
-namespace neuvv::training {
+namespace neuvv::interchange {
 
 // Intrinsics as the file gives them: a focal length is in pixels, or else an angle, along each axis by itself; what is
 // given of one axis alone is that of both. Fields of a frame win over those at the top of the file.
@@ -76,4 +75,4 @@ constexpr double kMaxPathSeconds = 1e6;
 // The lens of a frame whose image has this size in pixels.
 Lens make_lens(const Intrinsics& in, uint32_t width, uint32_t height);
 
-}  // namespace neuvv::training
+}  // namespace neuvv::interchange

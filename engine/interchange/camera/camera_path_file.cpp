@@ -1,4 +1,4 @@
-#include "training/data/camera_path_file.h"
+#include "interchange/camera/camera_path_file.h"
 
 #include <fmt/format.h>
 
@@ -9,12 +9,12 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "base/text.h"
-#include "interchange/stage/camera_usd.h"
+#include "interchange/camera/camera_path_formats.h"
+#include "interchange/camera_usd.h"
 #include "stage/camera_path_json.h"
 #include "stage/evaluated_stage.h"
-#include "training/data/camera_path_formats.h"
 
-namespace neuvv::training {
+namespace neuvv::interchange {
 
 namespace {
 
@@ -159,8 +159,7 @@ stage::CameraPath read_camera_path(const std::filesystem::path& file, double vie
                                    const voctree::WorldFrame& frame) {
     const std::string ending = lower_case(file.extension().string());
     if (ending == ".gltf" || ending == ".glb") return stage::path_of_camera(stage::load_stage(file), "", views_per_s);
-    stage::CameraPath path =
-        ending == ".usda" ? interchange::read_camera_usda(file) : path_of_document(file, views_per_s);
+    stage::CameraPath path = ending == ".usda" ? read_camera_usda(file) : path_of_document(file, views_per_s);
     for (stage::CameraPathKey& key : path.keys) key.position = frame.from_capture(key.position);
     return path;
 }
@@ -178,4 +177,4 @@ void write_camera_path(const std::filesystem::path& file, const stage::CameraPat
     write_file_atomically(file, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }
 
-}  // namespace neuvv::training
+}  // namespace neuvv::interchange

@@ -5,11 +5,11 @@
 #include <optional>
 
 #include "base/output_path.h"
-#include "training/data/camera_path_file.h"
-#include "training/data/camera_path_formats.h"
-#include "training/data/layouts/rig/json_pose.h"
+#include "interchange/camera/camera_path_file.h"
+#include "interchange/camera/camera_path_formats.h"
+#include "interchange/camera/json_pose.h"
 
-namespace neuvv::training {
+namespace neuvv::interchange {
 
 namespace {
 
@@ -125,4 +125,4 @@ void write_ngp_path(const std::filesystem::path& file, const stage::CameraPath& 
     write_text_file(file, document.dump(1) + "\n");
 }
 
-}  // namespace neuvv::training
+}  // namespace neuvv::interchange

@@ -1,11 +1,11 @@
-#include "training/data/layouts/rig/json_pose.h"
+#include "interchange/camera/json_pose.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace neuvv::training {
+namespace neuvv::interchange {
 
 namespace {
 
@@ -48,4 +48,4 @@ glm::dmat4 json_pose(const JsonNode& node) {
     return pose;
 }
 
-}  // namespace neuvv::training
+}  // namespace neuvv::interchange

@@ -1,5 +1,5 @@
-// Camera paths as files: NeuVV's own, instant-ngp's, nerfstudio's, and cameras of glTF and OpenUSD. training/README.md
-// says what is read from each, and what is written.
+// Camera paths as files: NeuVV's own, instant-ngp's, nerfstudio's, and cameras of glTF and OpenUSD. ../README.md says
+// what is read from each, and what is written.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include "stage/stage.h"
 #include "voctree/files/world_frame.h"
 
-namespace neuvv::training {
+namespace neuvv::interchange {
 
 // A .usda has OpenUSD's camera, a .gltf or .glb that of a stage, with `views_per_s` keys a second where it moves
 // (stage::path_of_camera). Of JSON, recognises the format by its keys: `frames` (a transforms.json), `path`
@@ -40,4 +40,4 @@ void write_ngp_path(const std::filesystem::path& file, const stage::CameraPath& 
 void write_nerfstudio_path(const std::filesystem::path& file, const stage::CameraPath& path,
                            const stage::CameraPath& images, const std::filesystem::path& world);
 
-}  // namespace neuvv::training
+}  // namespace neuvv::interchange

@@ -1,4 +1,4 @@
-#include "training/data/layouts/rig/transforms.h"
+#include "interchange/camera/transforms.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "media/image.h"
 
-namespace neuvv::training {
+namespace neuvv::interchange {
 
 namespace {
 
@@ -281,4 +281,4 @@ Lens make_lens(const Intrinsics& in, uint32_t width, uint32_t height) {
     return lens;
 }
 
-}  // namespace neuvv::training
+}  // namespace neuvv::interchange

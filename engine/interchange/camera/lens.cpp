@@ -1,9 +1,9 @@
-#include "training/data/lens.h"
+#include "interchange/camera/lens.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace neuvv::training {
+namespace neuvv::interchange {
 
 namespace {
 
@@ -120,4 +120,4 @@ glm::dvec2 project(const Lens& lens, glm::dvec2 xy) {
     return glm::dvec2(lens.cx, lens.cy) + glm::dvec2(lens.fx, lens.fy) * bend(lens, xy);
 }
 
-}  // namespace neuvv::training
+}  // namespace neuvv::interchange

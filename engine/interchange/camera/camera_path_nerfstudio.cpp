@@ -6,11 +6,11 @@
 #include <glm/gtc/matrix_access.hpp>
 
 #include "base/output_path.h"
+#include "interchange/camera/camera_path_file.h"
+#include "interchange/camera/camera_path_formats.h"
 #include "media/image.h"
-#include "training/data/camera_path_file.h"
-#include "training/data/camera_path_formats.h"
 
-namespace neuvv::training {
+namespace neuvv::interchange {
 
 namespace {
 
@@ -198,4 +198,4 @@ void write_nerfstudio_path(const std::filesystem::path& file, const stage::Camer
     write_text_file(file, document.dump(1) + "\n");
 }
 
-}  // namespace neuvv::training
+}  // namespace neuvv::interchange

@@ -1,10 +1,10 @@
 // Internal to this module: camera paths of instant-ngp and nerfstudio as JSON, and what reading them shares.
 #pragma once
 
+#include "interchange/camera/transforms.h"
 #include "stage/camera_path.h"
-#include "training/data/layouts/rig/transforms.h"
 
-namespace neuvv::training {
+namespace neuvv::interchange {
 
 // All of them throw InputError with the place in the JSON.
 stage::CameraPath ngp_path(const JsonNode& root);
@@ -16,4 +16,4 @@ double path_degrees(const JsonNode& node);
 // Checks what CameraPath promises about the times of its keys; `keys` is their list.
 void expect_path_times(const stage::CameraPath& path, const JsonNode& keys);
 
-}  // namespace neuvv::training
+}  // namespace neuvv::interchange

@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 
-namespace neuvv::training {
+namespace neuvv::interchange {
 
 // Camera coordinates X, Y, Z have OpenCV axes (x right, y down, z forward); x = X/Z, y = Y/Z, r² = x² + y², θ = atan r.
 enum class LensModel : uint8_t {
@@ -41,4 +41,4 @@ std::optional<glm::dvec2> direction_at(const Lens& lens, glm::dvec2 pixel);
 // further out come back towards the centre of the image. Returns `limit` where the lens does not fold.
 double fold_radius(const Lens& lens, double limit);
 
-}  // namespace neuvv::training
+}  // namespace neuvv::interchange
