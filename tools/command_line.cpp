@@ -20,6 +20,7 @@
 #include "stream/transfer_watch.h"
 #include "tools/commands.h"
 #include "tools/help_text.h"
+#include "tools/remedies.h"
 #include "tools/results.h"
 #include "tools/say.h"
 
@@ -385,10 +386,10 @@ int Program::run_verb(int argc, char** argv) {
         say("{}: the results could not be written to the standard output\n", program);
         return kFailure;
     } catch (const InputError& error) {
-        say("{}: {}\n", program, error.what());
+        say("{}: {}\n", program, message_of(error));
         return kBadInput;
     } catch (const std::exception& error) {
-        say("{}: {}\n", program, error.what());
+        say("{}: {}\n", program, message_of(error));
         return kFailure;
     }
 }

@@ -10,6 +10,7 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/publish/stream_info.h"
+#include "tools/remedies.h"
 #include "tools/report.h"
 #include "tools/say.h"
 #include "tools/stage/stage_verbs.h"
@@ -159,8 +160,8 @@ SegmentProblems print_segments(const InfoOptions& options) {
             leaves += summary.header.leaf_count;
         } catch (const InputError& problem) {
             problems.damaged = true;
-            json.back()["problem"] = problem.what();
-            lines += fmt::format(" cannot be played: {}", problem.what());
+            json.back()["problem"] = message_of(problem);
+            lines += fmt::format(" cannot be played: {}", message_of(problem));
         }
         lines += add_training(segment, json.back()) + "\n";
     }

@@ -29,13 +29,22 @@ const char* yes_or_no(bool yes) {
     return yes ? "yes" : "no";
 }
 
+// The option that an extension makes work, to be added to what is said of it.
+std::string option_of(std::string_view extension) {
+    if (extension == XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME) return " (--refresh)";
+    if (extension == XR_FB_PASSTHROUGH_EXTENSION_NAME) return " (--room)";
+    if (extension == XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME) return " (--inset)";
+    return "";
+}
+
 void print_extensions(const xr::Runtime& runtime, const std::vector<std::string>& idle) {
     fmt::print("\nVulkan: {}\n",
                runtime.has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME) ? "XR_KHR_vulkan_enable2" : "XR_KHR_vulkan_enable");
     for (const xr::OptionalExtension& one : xr::optional_extensions()) {
         if (one.is_controller) continue;  // print_controllers says which have bindings, and which is in hand
         const bool works = runtime.supports(one.name) && std::ranges::find(idle, one.name) == idle.end();
-        fmt::print("{:3} {}: {}{}\n", yes_or_no(works), one.name, works ? one.benefit : one.fallback,
+        fmt::print("{:3} {}: {}{}\n", yes_or_no(works), one.name,
+                   works ? one.benefit + option_of(one.name) : one.fallback,
                    runtime.has(one.name) && !works ? " (the runtime has it, but not for this headset)" : "");
     }
 }

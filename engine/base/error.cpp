@@ -12,18 +12,27 @@ std::string one_line(std::string text) {
     return text;
 }
 
+std::string and_fix(const std::string& cause, const std::string& fix) {
+    return fix.empty() ? cause : cause + "; " + fix;
+}
+}  // namespace
+
 // Without passwords before it is cut, where an address might lose its '@'.
 std::string shortened(const std::string& given) {
     constexpr size_t kLongest = 450, kEnd = 100;
     const std::string text = without_passwords(given);
-    if (text.size() <= kLongest) return text;
-    return text.substr(0, kLongest - kEnd) + " ... " + text.substr(text.size() - kEnd);
+    if (text.size() <= kLongest) return one_line(text);
+    return one_line(text.substr(0, kLongest - kEnd) + " ... " + text.substr(text.size() - kEnd));
 }
-}  // namespace
 
-InputError::InputError(const std::string& file, const std::string& place, const std::string& problem,
-                       const std::string& fix)
-    : std::runtime_error(one_line(shortened(file) + ": " + (place.empty() ? "" : shortened(place) + ": ") +
-                                  shortened(problem) + (fix.empty() ? "" : "; " + shortened(fix)))) {}
+Failure::Failure(const std::string& cause, const Fix& fix, bool about_setting)
+    : std::runtime_error(and_fix(cause, shortened(plain_words(fix)))),
+      cause_(cause),
+      fix_(fix),
+      about_setting_(about_setting) {}
+
+InputError::InputError(const Subject& subject, const std::string& place, const std::string& problem, const Fix& fix)
+    : Failure(shortened(subject.name) + ": " + (place.empty() ? "" : shortened(place) + ": ") + shortened(problem), fix,
+              subject.is_setting) {}
 
 }  // namespace neuvv

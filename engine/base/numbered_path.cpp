@@ -31,9 +31,9 @@ size_t name_begin(const std::string& text) {
     return text.size() - std::filesystem::path(text).filename().string().size();
 }
 
-[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& problem) {
+[[noreturn]] void refuse(const Subject& output, const std::string& text, const std::string& problem) {
     const std::string ending = std::filesystem::path(text).extension().string();
-    throw InputError(option, text, problem, fmt::format("write it as in out_%04d{}", ending));
+    throw InputError(output, text, problem, fmt::format("write it as in out_%04d{}", ending));
 }
 
 }  // namespace
@@ -50,18 +50,18 @@ std::optional<NumberedPath> NumberedPath::parse(const std::string& text) {
     return path;
 }
 
-std::optional<NumberedPath> NumberedPath::parse_output(const std::string& option, const std::string& text) {
+std::optional<NumberedPath> NumberedPath::parse_output(const Subject& output, const std::string& text) {
     const size_t name = name_begin(text);
     std::error_code ignored;
     // "50%dry" is the name of a folder, "shot_%04d" is not.
     for (auto place = find_place(text.substr(0, name)); place; place = find_place(text.substr(0, name), place->end))
         if (place->end - place->begin > 2 && !std::filesystem::is_directory(text.substr(0, name), ignored))
-            refuse(option, text,
+            refuse(output, text,
                    fmt::format("has {} in the name of a folder, but only the file's name has a place for the number",
                                text.substr(place->begin, place->end - place->begin)));
     const auto place = find_place(text, name);
     if (place && (place->digits == 0 || find_place(text, place->end)))
-        refuse(option, text, "needs one place for the number");
+        refuse(output, text, "needs one place for the number");
     return parse(text);
 }
 

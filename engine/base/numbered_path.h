@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "base/error.h"
+
 namespace neuvv {
 
 class NumberedPath {
@@ -14,9 +16,9 @@ class NumberedPath {
     // counts.
     static std::optional<NumberedPath> parse(const std::string& text);
     // The same for files that are to be written. Throws InputError for names that are probably mistakes: several
-    // places, a place with another width as %4d, or one in the name of a folder that is not there. `option` is for the
+    // places, a place with another width as %4d, or one in the name of a folder that is not there. `output` is for the
     // error.
-    static std::optional<NumberedPath> parse_output(const std::string& option, const std::string& text);
+    static std::optional<NumberedPath> parse_output(const Subject& output, const std::string& text);
 
     std::string file(uint64_t number) const { return file(digits(number)); }
     // The path with this text in place of the number.

@@ -25,22 +25,22 @@ void make_folders(const std::filesystem::path& folder, std::error_code& error) {
 
 }  // namespace
 
-void prepare_output_folder(const std::string& option, const std::filesystem::path& folder) {
+void prepare_output_folder(const Subject& output, const std::filesystem::path& folder) {
     std::error_code error;
     make_folders(folder, error);
     if (error)
-        throw InputError(option, folder.string(), fmt::format("this folder cannot be made: {}", error.message()),
+        throw InputError(output, folder.string(), fmt::format("this folder cannot be made: {}", error.message()),
                          "choose another");
     if (!folder_is_writable(folder.empty() ? "." : folder))
-        throw InputError(option, folder.string(), "this folder cannot be written into", "choose another");
+        throw InputError(output, folder.string(), "this folder cannot be written into", "choose another");
 }
 
-void prepare_output_file(const std::string& option, const std::filesystem::path& file) {
+void prepare_output_file(const Subject& output, const std::filesystem::path& file) {
     std::error_code ignored;
     if (!file.has_filename() || std::filesystem::is_directory(file, ignored))
-        throw InputError(option, file.string(), "is a folder, not a file", "add a file name");
-    if (const std::string why = why_not_replaced(file); !why.empty()) throw InputError(option, file.string(), why);
-    prepare_output_folder(option, link_target(file).parent_path());
+        throw InputError(output, file.string(), "is a folder, not a file", "add a file name");
+    if (const std::string why = why_not_replaced(file); !why.empty()) throw InputError(output, file.string(), why);
+    prepare_output_folder(output, link_target(file).parent_path());
 }
 
 void remove_empty_output_folders() {

@@ -9,9 +9,6 @@ namespace neuvv::coach {
 
 namespace {
 
-constexpr const char* kMakeOne =
-    "make one with `neuvv skeleton extract` or `import`, or name it with `neuvv stage set --skeleton`";
-
 bool has_skeleton(const stage::Stage& stage, uint32_t performer) {
     std::error_code error;
     return !stage.performers[performer].skeleton.empty() ||
@@ -31,11 +28,11 @@ Trainer read_trainer(const stage::Stage& stage, const std::string& name) {
         if (name.empty() ? !has_skeleton(stage, i) : stage.performers[i].name != name) continue;
         const std::filesystem::path skeleton = skeleton_file_of(stage, i);
         if (!has_skeleton(stage, i))
-            throw InputError(file, name, fmt::format("has no skeleton {}", skeleton.string()), kMakeOne);
+            throw InputError(file, name, fmt::format("has no skeleton {}", skeleton.string()), Remedy::kMakeSkeleton);
         return {i, stage.performers[i].name, motion::read_skeleton(skeleton)};
     }
-    if (name.empty()) throw InputError(file, "", "has no performer with a skeleton", kMakeOne);
-    throw InputError(file, name, "is no performer of this stage", "`neuvv stage info` lists them");
+    if (name.empty()) throw InputError(file, "", "has no performer with a skeleton", Remedy::kMakeSkeleton);
+    throw InputError(file, name, "is no performer of this stage", Remedy::kChoosePerformer);
 }
 
 double clip_time_of(const stage::Stage& stage, const stage::EvaluatedPerformer& performer) {

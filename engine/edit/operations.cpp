@@ -116,7 +116,8 @@ void edit_sound(stage::StageFile& file, ordered_json& performer, const Performer
     }
     if (!edit.gain_db) return;
     if (!performer.contains("sound"))
-        throw InputError("--gain", fmt::format("{}", *edit.gain_db), "the performer has no sound", "give it a --sound");
+        throw InputError(Setting{"gain"}, fmt::format("{}", *edit.gain_db), "the performer has no sound",
+                         Remedy::kGiveSound);
     performer["sound"]["gain"] = *edit.gain_db;
     changes.push_back(fmt::format("gain {} dB", *edit.gain_db));
 }

@@ -31,9 +31,7 @@ std::filesystem::path newest_clip(const std::filesystem::path& folder) {
         when = written;
     }
     if (error) throw InputError(folder.string(), "", fmt::format("cannot be read: {}", error.message()));
-    if (newest.empty())
-        throw InputError(folder.string(), "", "there is no .nvv in this folder",
-                         "open a folder that `neuvv train` writes into, a .nvv or a stage");
+    if (newest.empty()) throw InputError(folder.string(), "", "there is no .nvv in this folder", Remedy::kOpenTrained);
     return newest;
 }
 

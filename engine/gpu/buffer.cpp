@@ -56,13 +56,11 @@ bool fits_texels(const Buffer& buffer, VkFormat format) {
     if (fits_storage && limits.profile == BufferProfile::kStorage) return false;
     throw RuntimeFailure(
         fmt::format("buffer \"{}\" needs {} texels or {:.1f} MiB, device \"{}\" binds texel buffers of {} and storage "
-                    "buffers of {} MiB; {}",
+                    "buffers of {} MiB",
                     buffer.name, texels, static_cast<double>(buffer.bytes) / 1048576, buffer.device->summary().name,
-                    limits.texels, limits.storage_bytes >> 20,
-                    fits_storage && limits.allow_storage()
-                        ? "NEUVV_BUFFERS=storage takes the latter"
-                        : "choose a clip of fewer leaves (--max-leaves of `neuvv train`), a smaller --size, or "
-                          "another device (`neuvv devices` lists them)"));
+                    limits.texels, limits.storage_bytes >> 20),
+        fits_storage && limits.allow_storage() ? Fix("NEUVV_BUFFERS=storage takes the latter")
+                                               : Fix(Remedy::kFewerLeaves));
 }
 
 }  // namespace

@@ -160,16 +160,13 @@ size_t pick(const std::vector<DeviceSummary>& devices, const std::string& choice
             if (number ? std::to_string(i) == choice : lower(devices[i].name).find(lower(choice)) != std::string::npos)
                 best = i;
         if (best == devices.size())
-            throw InputError("device", choice, "no Vulkan device has this index or name", "`neuvv devices` lists them");
+            throw InputError("device", choice, "no Vulkan device has this index or name", Remedy::kChooseDevice);
     } else {
         for (size_t i = 0; i < devices.size(); ++i)
             if (devices[i].missing.empty() && (best == devices.size() || rank(devices[i]) < rank(devices[best])))
                 best = i;
     }
-    if (best == devices.size())
-        throw RuntimeFailure(
-            "no usable Vulkan device; `neuvv devices` says what each lacks (mesa-vulkan-drivers brings a "
-            "software device)");
+    if (best == devices.size()) throw RuntimeFailure("no usable Vulkan device", Remedy::kInstallDevice);
     if (!devices[best].missing.empty())
         throw RuntimeFailure(fmt::format("device \"{}\" lacks: {}", devices[best].name, joined(devices[best].missing)));
     return best;
@@ -272,7 +269,7 @@ void Device::choose_physical(const std::string& choice, const DeviceMaker& maker
         index = static_cast<size_t>(its - all.begin());
         if (!wanted.empty() && pick(summaries, wanted) != index)
             throw InputError("device", wanted, fmt::format("the headset is driven by \"{}\"", summaries[index].name),
-                             "leave --device and NEUVV_DEVICE out");
+                             Remedy::kLeaveDeviceOut);
         pick({summaries[index]}, "0");  // throws where it is not usable
     } else {
         index = pick(summaries, wanted);
@@ -405,10 +402,10 @@ void Device::check_memory(VkResult result, const std::string& object, uint64_t b
     throw VulkanError(
         result,
         fmt::format("device \"{}\" has no memory left for \"{}\", which needs {:.1f} MiB: of {} MiB, this program "
-                    "takes {} ({}); choose a smaller --size or --slice-budget, --far-levels off, or another "
-                    "device (`neuvv devices` lists them)",
+                    "takes {} ({})",
                     summary_.name, object, static_cast<double>(bytes) / 1048576, now.budget.value_or(now.size) >> 20,
-                    now.used >> 20, result_name(result)));
+                    now.used >> 20, result_name(result)),
+        Remedy::kLessDeviceMemory);
 }
 
 void Device::name_object(VkObjectType type, uint64_t object, const std::string& name) const {

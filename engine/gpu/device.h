@@ -29,7 +29,8 @@ class DebugBuffer;
 // it can only be destroyed; other failures, such as a lack of memory, leave it usable.
 struct VulkanError : RuntimeFailure {
     VulkanError(VkResult result, const char* call, const std::string& object);
-    VulkanError(VkResult failed, const std::string& text) : RuntimeFailure(text), result(failed) {}
+    VulkanError(VkResult failed, const std::string& cause, const Fix& fix = {})
+        : RuntimeFailure(cause, fix), result(failed) {}
     bool device_lost() const { return result == VK_ERROR_DEVICE_LOST; }
     bool out_of_memory() const;
     VkResult result;

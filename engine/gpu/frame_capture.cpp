@@ -20,7 +20,7 @@ RENDERDOC_API_1_6_0* find_api() {
         reinterpret_cast<pRENDERDOC_GetAPI>(function_of_loaded_library("librenderdoc.so", "RENDERDOC_GetAPI"));
     void* api = nullptr;
     if (!get_api || get_api(eRENDERDOC_API_Version_1_4_0, &api) != 1)
-        throw InputError("--capture", "", "the program does not run under RenderDoc",
+        throw InputError(Setting{"capture"}, "", "the program does not run under RenderDoc",
                          "start it with `renderdoccmd capture`, or from RenderDoc's window");
     return static_cast<RENDERDOC_API_1_6_0*>(api);
 }

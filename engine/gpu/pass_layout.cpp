@@ -59,20 +59,18 @@ void require_fits(const std::string& pass, const BindingSlot& slot, const Buffer
     const bool texel =
         slot.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER || slot.type == VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
     if (texel && !buffer.view)
-        throw RuntimeFailure(fmt::format(
-            "pass \"{}\", binding {}: buffer \"{}\" has no texel format, or in its {} MiB more texels than the {} that "
-            "device \"{}\" binds; choose a clip of fewer leaves (--max-leaves of `neuvv train`), a smaller --size, or "
-            "another device (`neuvv devices` lists them)",
-            pass, slot.binding, buffer.name, buffer.bytes >> 20, limits.texels, device));
+        throw RuntimeFailure(fmt::format("pass \"{}\", binding {}: buffer \"{}\" has no texel format, or in its {} MiB "
+                                         "more texels than the {} that "
+                                         "device \"{}\" binds",
+                                         pass, slot.binding, buffer.name, buffer.bytes >> 20, limits.texels, device),
+                             Remedy::kFewerLeaves);
     if (slot.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER && buffer.bytes > limits.storage_bytes)
         throw RuntimeFailure(
             fmt::format("pass \"{}\": storage buffer \"{}\" is {:.1f} MiB, device \"{}\" binds at most {} MiB, and "
-                        "texel buffers of {} "
-                        "texels; {}",
+                        "texel buffers of {} texels",
                         pass, buffer.name, static_cast<double>(buffer.bytes) / 1048576, device,
-                        limits.storage_bytes >> 20, limits.texels,
-                        buffer.view ? "NEUVV_BUFFERS=texel takes the latter"
-                                    : "choose a smaller --size, or another device (`neuvv devices` lists them)"));
+                        limits.storage_bytes >> 20, limits.texels),
+            buffer.view ? Fix("NEUVV_BUFFERS=texel takes the latter") : Fix(Remedy::kSmallerImageOrOtherDevice));
 }
 
 // The constructors here and below delegate, so that the destructor frees what was created when a later step throws.

@@ -37,7 +37,6 @@ constexpr size_t kWaitingImages = 1;                          // while all threa
 
 constexpr size_t kBlockBytes = size_t{1} << 20;
 constexpr double kMaxFinished = 1e9;
-constexpr char kAnew[] = "render anew without --resume, or choose another --output";
 
 struct RenderRecord {
     RenderFacts facts;
@@ -49,7 +48,7 @@ RenderRecord read_record(const std::filesystem::path& path) {
     const JsonNode root = file.root();
     RenderRecord record;
     if (!root.has("render") || !root["render"].value.is_object() || !root.has("finished"))
-        root.fail("is not the record of a render", kAnew);
+        root.fail("is not the record of a render", Remedy::kRenderAnew);
     for (const auto& [name, value] : root["render"].value.items())
         record.facts[name] = json_string(JsonNode{value, file.name, "render." + name});
     record.finished =
@@ -97,7 +96,7 @@ uint32_t finished_images(const std::filesystem::path& file, const RenderFacts& f
         is_content(now) && is_content(then)
             ? "was changed since the images that are there were rendered"
             : fmt::format("was {} for the images that are there, and is {} now", shown_fact(then), shown_fact(now)),
-        kAnew);
+        Remedy::kRenderAnew);
 }
 
 std::filesystem::path record_file(const ImageOutput& output, const std::string& name) {
@@ -188,7 +187,7 @@ ImageSink::ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts
     if (output_.kind == Kind::kVideo && resume) {
         video_path_ = output_.path;
         const std::filesystem::path folder = link_target(video_path_).string() + ".frames";
-        prepare_output_folder("--output", folder);
+        prepare_output_folder(Setting{"output"}, folder);
         output_ = {Kind::kNumberedImages, folder / "%06d.png"};
     }
     if (output_.kind == Kind::kVideo) video_.emplace(output_.path, size.width, size.height, fps);
@@ -292,9 +291,9 @@ ImageOutput parse_output(const std::string& text) {
     if (ending == ".mp4" || ending == ".mov") return {ImageOutput::Kind::kVideo, text};
     const bool exr = ending == ".exr";
     if (ending != ".png" && !exr)
-        throw InputError("--output", text, "is no .mp4, .mov, .png or .exr",
+        throw InputError(Setting{"output"}, text, "is no .mp4, .mov, .png or .exr",
                          "write out.mp4, out.mov, out_%04d.png, out.png, out_%04d.exr or out.exr");
-    const bool numbered = NumberedPath::parse_output("--output", text).has_value();
+    const bool numbered = NumberedPath::parse_output(Setting{"output"}, text).has_value();
     return {numbered ? ImageOutput::Kind::kNumberedImages : ImageOutput::Kind::kImage, text, exr};
 }
 

@@ -85,9 +85,8 @@ EvaluatedCamera camera_at(const GltfScene& scene, uint32_t node, const PosedScen
     for (size_t i = 0; i < evaluated.cameras.size(); ++i)
         if (!evaluated.cameras[i].orthographic)
             names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", i, evaluated.cameras[i].name);
-    throw InputError(
-        stage.file.path.string(), "cameras", problem,
-        names.empty() ? "the stage has none that is perspective: add one, or choose --orbit" : "choose from " + names);
+    throw InputError(stage.file.path.string(), "cameras", problem,
+                     names.empty() ? Fix(Remedy::kAddCamera) : Fix("choose from " + names));
 }
 
 const EvaluatedCamera& find_camera(const Stage& stage, const std::string& name_or_index,

@@ -63,7 +63,7 @@ std::vector<uint8_t> Reader::bytes_at(const ByteRange& range, const std::string&
 
 Reader::Reader(const std::filesystem::path& path) : path_(path) {
     const auto expect_stream = [&](bool is) {
-        if (!is) throw InputError(path_.string(), "", "is no stream", "name a .nvs of `neuvv publish`");
+        if (!is) throw InputError(path_.string(), "", "is no stream", Remedy::kNameStream);
     };
     expect_stream(is_stream(path_));
     source_ = open_source(path_);

@@ -61,8 +61,8 @@ TEST_F(DeviceTest, IsNamedByIndexOrByPartOfItsName) {
 
 TEST_F(DeviceTest, AChoiceThatFitsNoneIsBadInput) {
     expect_input_error([] { gpu::Device("no such device", gpu::Validation::kOn); },
-                       {"no such device", "neuvv devices"});
-    expect_input_error([] { gpu::Device("999", gpu::Validation::kOn); }, {"999", "neuvv devices"});
+                       {"no such device", "list of devices"});
+    expect_input_error([] { gpu::Device("999", gpu::Validation::kOn); }, {"999", "list of devices"});
     const char* environment = std::getenv("NEUVV_DEVICE");
     const std::string before = environment ? environment : "";
     ASSERT_EQ(setenv("NEUVV_DEVICE", "from the environment", 1), 0);

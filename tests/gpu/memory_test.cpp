@@ -62,8 +62,8 @@ TEST_F(DeviceMemoryTest, ALackOfItNamesWhatWasAskedForAndWhatToDo) {
     allow_more(8 * kMiB);
     const std::string text = lack([] { buffer("entries", 40 * kMiB); });
     for (const std::string& part :
-         {std::string("\"entries\", which needs 40.0 MiB"), device().summary().name, std::string("--size"),
-          std::string("--slice-budget"), std::string("another device")})
+         {std::string("\"entries\", which needs 40.0 MiB"), device().summary().name, std::string("smaller image"),
+          std::string("less memory for slices"), std::string("another device")})
         EXPECT_NE(text.find(part), std::string::npos) << part << " not in: " << text;
     EXPECT_EQ(text.find('\n'), std::string::npos);
     const gpu::ImageShape large{4096, 4096, VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_USAGE_SAMPLED_BIT};

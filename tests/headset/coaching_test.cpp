@@ -190,7 +190,7 @@ TEST_F(CoachingTest, WithoutASkeletonANoticeSaysHowToMakeOne) {
     coaching.begin(state);
     settle();
     EXPECT_FALSE(coaching.is_running());
-    EXPECT_TRUE(was_notified("neuvv skeleton extract"));
+    EXPECT_TRUE(was_notified("make one of its clip"));
 }
 
 struct CoachingPage : CoachingTest {

@@ -83,8 +83,7 @@ TEST_F(Sink, AShorterRenderRemovesTheRestOfALongerOne) {
 TEST_F(Sink, TwoRendersAreNotMixed) {
     sink("o_%d.png", false).add(0, image_of(1));
     facts["--size"] = "32x16";
-    expect_input_error([&] { sink("o_%d.png", true); },
-                       {"o_render.json", "--size", "16x8", "32x16", "without --resume"});
+    expect_input_error([&] { sink("o_%d.png", true); }, {"o_render.json", "--size", "16x8", "32x16", "render anew"});
     facts["--size"] = "16x8";
     facts["scene"] = "xxh3:4567";
     facts["images"] = "12";  // which follows from the change

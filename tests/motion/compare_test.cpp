@@ -171,7 +171,7 @@ TEST(Compare, LeavesOutWhatIsEstimatedOrNotCounted) {
         for (motion::JointSample& sample : pose) sample.measured = false;
     expect_input_error([&] { motion::compare(trainer(), trainee); }, {"no limb"});
     options.counted.assign(motion::kLimbs, false);
-    expect_input_error([&] { motion::compare(trainer(), trainer(), options); }, {"--leave-out", "no limb"});
+    expect_input_error([&] { motion::compare(trainer(), trainer(), options); }, {"leave-out", "no limb"});
     // The trunk says how the trainee stands turned, counted or not.
     options.counted.assign(motion::kLimbs, true);
     options.counted[motion::index_of(Limb::kTrunk)] = false;

@@ -75,7 +75,7 @@ TEST(Trc, KnowsOtherNamesAndStandsBodiesUp) {
     test::expect_near(motion::at(clip.frames[0], Joint::kLeftWrist).position, {0.5, 1.4, 0});
     test::expect_near(motion::at(clip.frames[0], Joint::kRightAnkle).position, {-0.1, 0.08, 0});
     ASSERT_EQ(clip.notes.size(), 1u);
-    EXPECT_NE(clip.notes[0].find("take.trc: the body stands along z"), std::string::npos) << clip.notes[0];
+    EXPECT_NE(clip.notes[0].text.find("take.trc: the body stands along z"), std::string::npos) << clip.notes[0].text;
     motion::SkeletonReading lying;
     lying.up = motion::Axis::kY;
     test::expect_near(motion::at(motion::read_skeleton(path, lying).frames[0], Joint::kNeck).position, {0, 0, 1.4});
@@ -86,7 +86,7 @@ TEST(Trc, OfPose2SimStands) {
     if (!std::filesystem::is_directory(data)) GTEST_SKIP() << "no ../shared/data/pose2sim";
     for (const auto& file : std::filesystem::directory_iterator(data)) {
         const motion::SkeletonClip clip = motion::read_skeleton(file.path());
-        EXPECT_TRUE(clip.notes.empty()) << clip.notes.at(0);
+        EXPECT_TRUE(clip.notes.empty()) << clip.notes.at(0).text;
         EXPECT_EQ(motion::standing_axis(clip), motion::Axis::kY);
         EXPECT_NEAR(test::height_of(clip), 1.7, 0.2);
     }

@@ -4,7 +4,7 @@
 #include "media/psnr.h"
 #include "render/frame/frame.h"
 #include "support/sphere_capture.h"
-#include "voctree/nvv.h"
+#include "voctree/files/nvv.h"
 
 namespace neuvv::test {
 

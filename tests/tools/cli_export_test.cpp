@@ -9,7 +9,7 @@
 #include "stage/stage.h"
 #include "stream/nvs_writer.h"
 #include "tests/tools/cli_gpu.h"
-#include "voctree/world_frame.h"
+#include "voctree/files/world_frame.h"
 
 namespace neuvv {
 namespace {

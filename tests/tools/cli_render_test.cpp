@@ -12,8 +12,8 @@
 #include "support/stage_on_disk.h"
 #include "support/waver_tree.h"
 #include "tests/tools/cli_gpu.h"
-#include "voctree/nvpaint.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/nvpaint.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv {
 namespace {

@@ -71,14 +71,14 @@ TEST(Options, Output) {
     EXPECT_EQ(media::parse_output("out_%04d.exr").file(7), "out_0007.exr");
     EXPECT_EQ(media::parse_output("out.exr").kind, media::ImageOutput::Kind::kImage);
     for (const char* text : {"", "out", "out.avi", "mp4", "out.mp4.tmp"})
-        expect_input_error([&] { media::parse_output(text); }, {"--output", "out_%04d.png"});
+        expect_input_error([&] { media::parse_output(text); }, {"output: ", "out_%04d.png"});
     for (const char* text : {"%s.png", "%04.png", "%%.png", "%.png"}) {  // names as any other
         EXPECT_EQ(media::parse_output(text).kind, media::ImageOutput::Kind::kImage) << text;
         EXPECT_EQ(media::parse_output(text).file(3), text);
     }
     EXPECT_EQ(media::parse_output("%n_%d.png").file(7), "%n_7.png");
     for (const char* text : {"%d_%d.png", "%0d.png", "%00d.png", "%4d.png", "%010d.png", "%04"})
-        expect_input_error([&] { media::parse_output(text); }, {"--output", text});
+        expect_input_error([&] { media::parse_output(text); }, {"output: ", text});
 }
 
 TEST(Options, OutputsAreCheckedBeforeWork) {

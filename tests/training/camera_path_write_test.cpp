@@ -9,9 +9,9 @@
 #include "base/error.h"
 #include "fuzz/mutate.h"
 #include "interchange/camera/camera_path_file.h"
-#include "interchange/camera_gltf.h"
-#include "interchange/camera_usd.h"
-#include "interchange/usd_text.h"
+#include "interchange/stage/camera_gltf.h"
+#include "interchange/stage/camera_usd.h"
+#include "interchange/usd/usd_text.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 

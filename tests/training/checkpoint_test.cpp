@@ -227,7 +227,7 @@ TEST(CheckpointFile, RefusesACorruptState) {
 TEST(CheckpointFile, RefusesFilesOfAnotherKind) {
     const StateFile file;
     std::filesystem::copy_file(file.nvv, file.state, std::filesystem::copy_options::overwrite_existing);
-    file.refused({"scene.nvv.state", "run0", "--resume"});
+    file.refused({"scene.nvv.state", "run0", "train anew"});
     write_text(file.state, "{\"step\": 3}");
     file.refused({"scene.nvv.state"});
 }

@@ -163,7 +163,7 @@ TEST_F(DatasetTest, TheLayoutIsRecognisedOrForced) {
     EXPECT_EQ(training::read_rig(folder.path, training::Split::kTrain).format, "nerf");
     EXPECT_EQ(training::load_dataset(folder.path, training::Split::kTrain, {.format = "nerf"}).views.size(), 6u);
     expect_input_error([&] { training::load_dataset(folder.path, training::Split::kTrain, {.format = "nrf"}); },
-                       {"--format", "nerf"});
+                       {"format: ", "nerf"});
     const TemporaryFolder empty;
     expect_input_error([&] { training::load_dataset(empty.path, training::Split::kTrain); },
                        {"transforms.json", "(nerf)"});

@@ -68,7 +68,7 @@ struct ImagesTest : testing::Test {
 };
 
 TEST_F(ImagesTest, WithoutMattesTheMendIsNamed) {
-    expect_input_error([&] { load(); }, {folder.path.string(), "no image has a matte", "neuvv matte"});
+    expect_input_error([&] { load(); }, {folder.path.string(), "no image has a matte", "make mattes for"});
     const training::Dataset data = load(false);
     EXPECT_EQ(data.views.at(1).image.whole().rgba, plain(150).rgba);
     EXPECT_EQ(data.cameras.at(1).fx, 20);
@@ -167,7 +167,7 @@ TEST_F(ImagesTest, MattesBesideTheDataSetWin) {
     EXPECT_EQ(load().views[0].image.at(12, 3)[3], 77);
     EXPECT_EQ(load().views[1].image.at(12, 3)[3], 0) << "the mask is a matte, too";
     rig.shots[1].mask.path.clear();
-    expect_input_error([&] { load(); }, {"mattes/cam1_0.png", "missing", "neuvv matte"});
+    expect_input_error([&] { load(); }, {"mattes/cam1_0.png", "missing", "make mattes for"});
     write("mattes/cam1_0.png", media::Image(kWidth, kHeight - 1));
     expect_input_error([&] { load(); }, {"cam1_0.png", "16×11", "cam1", "16×12"});
 }

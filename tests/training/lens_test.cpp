@@ -87,7 +87,7 @@ TEST(Lens, Fov) {
     EXPECT_NEAR(interchange::project(make_lens(interchange::LensModel::kFov, {1e-12}), {0.3, -0.2}).x, 470, 1e-6);
 }
 
-TEST(Lens, ScalingMovesPlacesWithThePicture) {
+TEST(Lens, ScalingMovesPlacesWithTheImage) {
     const interchange::Lens lens = make_lens(interchange::LensModel::kBrown, {-0.25, 0.08}, 0.002, -0.003);
     const glm::dvec2 whole = interchange::project(lens, {0.3, -0.2}),
                      half = interchange::project(interchange::scaled(lens, 320, 120), {0.3, -0.2});

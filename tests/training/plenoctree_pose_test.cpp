@@ -7,7 +7,7 @@
 #include "reference/trace.h"
 #include "support/n3_tree.h"
 #include "support/temporary_folder.h"
-#include "voctree/plenoctree.h"
+#include "voctree/files/plenoctree.h"
 
 namespace neuvv::test {
 namespace {

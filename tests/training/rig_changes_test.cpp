@@ -64,7 +64,7 @@ TEST(RigChanges, NoFrameLosesAllItsImages) {
     training::Dataset dataset = small_capture();
     RigChanges changes;
     changes.frames_late.assign(8, 1.0);  // the first frame would be empty
-    expect_input_error([&] { training::apply(changes, dataset); }, {"no image is left", "--refine time"});
+    expect_input_error([&] { training::apply(changes, dataset); }, {"no image is left", "without correcting times"});
 }
 
 TEST(RigChanges, ARigWithoutCommonFramesKeepsItsImages) {

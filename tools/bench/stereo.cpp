@@ -11,8 +11,8 @@
 #include "tools/bench/measure.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
-#include "voctree/clip.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv::bench {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/udp_socket.h"
-#include "motion/skeleton.h"
+#include "motion/skeleton/skeleton.h"
 
 namespace neuvv::bench {
 

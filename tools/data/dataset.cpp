@@ -14,6 +14,7 @@
 #include "tools/data/rig_drawing.h"
 #include "tools/image_drawing.h"
 #include "tools/options.h"
+#include "tools/remedies.h"
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/say.h"
@@ -52,7 +53,7 @@ auto try_to_find(Find find) -> Finding<decltype(find())> {
     try {
         return {find(), ""};
     } catch (const InputError& error) {
-        return {{}, error.what()};
+        return {{}, message_of(error)};
     }
 }
 

@@ -21,7 +21,6 @@
 #include "tools/report.h"
 #include "tools/say.h"
 #include "tools/unfinished_clip.h"
-#include "voctree/clip_index.h"
 #include "voctree/coarse.h"
 #include "voctree/files/clip_index.h"
 #include "voctree/files/nvv.h"

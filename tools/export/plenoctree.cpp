@@ -13,7 +13,7 @@
 #include "tools/export/exported_clip.h"
 #include "tools/export/frame_export.h"
 #include "tools/options.h"
-#include "voctree/plenoctree.h"
+#include "voctree/files/plenoctree.h"
 
 namespace neuvv::tools {
 

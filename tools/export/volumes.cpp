@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "interchange/vdb_volume.h"
-#include "interchange/vdb_writer.h"
+#include "interchange/volume/vdb_volume.h"
+#include "interchange/volume/vdb_writer.h"
 #include "media/psnr.h"
 #include "tools/compared_views.h"
 #include "tools/export/exported_clip.h"

@@ -17,6 +17,7 @@
 #include "tools/image_drawing.h"
 #include "tools/motion/skeleton_verbs.h"
 #include "tools/options.h"
+#include "tools/remedies.h"
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/say.h"
@@ -252,7 +253,7 @@ void add_show(Command group, CommonOptions& common) {
 
 motion::SkeletonClip read_motion(const std::string& file, const motion::SkeletonReading& reading) {
     motion::SkeletonClip clip = motion::read_skeleton(file, reading);
-    for (const std::string& note : clip.notes) say("{}\n", note);
+    for (const Note& note : clip.notes) say("{}\n", message_of(note));
     return clip;
 }
 

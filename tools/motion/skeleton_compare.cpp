@@ -22,6 +22,7 @@
 #include "motion/skeleton/skeleton_file.h"
 #include "tools/motion/motion_page.h"
 #include "tools/motion/skeleton_verbs.h"
+#include "tools/remedies.h"
 #include "tools/results.h"
 #include "tools/say.h"
 
@@ -163,7 +164,7 @@ size_t follow_lines(LineReader& lines, const std::string& name, Follower& follow
             if (follower.ended(pose.time_s)) break;
             follower.add(pose);
         } catch (const InputError& error) {  // a stream goes on
-            if (++bad == 1) say("{}; it is left out\n", error.what());
+            if (++bad == 1) say("{}; it is left out\n", message_of(error));
         }
     }
     return bad;

@@ -14,9 +14,9 @@
 #include "render/volume/trace.h"
 #include "tools/stage/stage_verbs.h"
 #include "tools/view_path.h"
-#include "voctree/clip.h"
-#include "voctree/nvpaint.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/nvpaint.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv::tools {
 

@@ -16,6 +16,7 @@
 #include "render/frame/frame_passes.h"
 #include "stream/nvs_reader.h"
 #include "tools/options.h"
+#include "tools/remedies.h"
 #include "tools/render/render.h"
 #include "tools/render/render_layers.h"
 #include "tools/report.h"
@@ -340,7 +341,7 @@ FrameTimes named_loss(uint32_t i, const std::function<FrameTimes(uint32_t)>& ren
         throw gpu::VulkanError(error.result,
                                fmt::format("image {}: {}; look at the driver's messages (dmesg), or choose "
                                            "another device by --device",
-                                           i, error.what()));
+                                           i, message_of(error)));
     }
 }
 

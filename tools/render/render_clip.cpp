@@ -21,11 +21,11 @@
 #include "tools/render/render.h"
 #include "tools/render/render_layers.h"
 #include "tools/view_path.h"
-#include "voctree/chunk_file.h"
-#include "voctree/clip.h"
-#include "voctree/clip_index.h"
-#include "voctree/nvpaint.h"
-#include "voctree/occupied_box.h"
+#include "voctree/files/chunk_file.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/clip_index.h"
+#include "voctree/files/nvpaint.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv::tools {
 

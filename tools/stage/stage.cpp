@@ -6,6 +6,7 @@
 #include "shared/lights.h"
 #include "stage/stage.h"
 #include "tools/options.h"
+#include "tools/remedies.h"
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/say.h"
@@ -59,7 +60,7 @@ void expect_fitting_paint(const stage::StageFile& file, uint32_t node, const std
         expect_layer_of(clip, layer);
     } catch (const InputError& problem) {
         throw InputError(file.path.string(), fmt::format("\"{}\", which plays {}", performer, clip.filename().string()),
-                         problem.what());
+                         message_of(problem));
     }
 }
 

@@ -13,6 +13,7 @@
 #include "media/sound.h"
 #include "tools/commands.h"
 #include "tools/options.h"
+#include "tools/remedies.h"
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/say.h"
@@ -105,7 +106,7 @@ std::optional<training::RunClaim> claim_file(const std::filesystem::path& output
     try {
         claim = training::RunClaim::take(output);
     } catch (const RuntimeFailure& failure) {
-        say("nobody is kept from training into the same file: {}\n", failure.what());
+        say("nobody is kept from training into the same file: {}\n", message_of(failure));
         return std::nullopt;
     }
     if (!claim) throw_taken(output);
@@ -131,8 +132,8 @@ void train_on(const std::string& name, TrainOptions& options, const std::functio
                 throw RuntimeFailure(
                     fmt::format("{}: {}; look at the driver's messages (dmesg), or choose another device "
                                 "by --device; --resume goes on from the last checkpoint",
-                                output, error.what()));
-            say("\n{}: {}; the device is made anew\n", output, error.what());
+                                output, message_of(error)));
+            say("\n{}: {}; the device is made anew\n", output, message_of(error));
         }
         // What a run has written is whole: it goes on, and one that had written nothing begins anew.
         options.settings.resume = options.settings.resume || state_written_at(options) != before;

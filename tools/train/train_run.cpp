@@ -9,6 +9,7 @@
 #include "base/platform.h"
 #include "base/seconds.h"
 #include "base/text.h"
+#include "tools/remedies.h"
 #include "tools/report.h"
 #include "tools/say.h"
 #include "tools/train/refine.h"
@@ -40,7 +41,7 @@ training::Dataset load_preview_data(const TrainOptions& options, const training:
         training::drop_cameras_without_shots(rig);
         return training::preview_dataset(training::read_images(rig, load));
     } catch (const std::runtime_error& error) {
-        say("the preview shows a training image, as no held-out one can be read: {}\n", error.what());
+        say("the preview shows a training image, as no held-out one can be read: {}\n", message_of(error));
         return training::preview_dataset(training);
     }
 }
@@ -64,7 +65,7 @@ class LiveReport {
             if (!log_) log_.emplace(options_.metrics, now.began_at_step, first_frame_);
             log_->add(now, score_);
         } catch (const std::runtime_error& failure) {  // a run is worth more than its log
-            say("\nno more metrics: {}\n", failure.what());
+            say("\nno more metrics: {}\n", message_of(failure));
             options_.metrics.clear();
         }
     }
@@ -79,7 +80,7 @@ class LiveReport {
                 training::write_preview(device_, *now.field, preview_data_, options_.preview);
             score_ = training::PreviewScore{preview_data_.views[0].name, quality.psnr};
         } catch (const RuntimeFailure& failure) {
-            say("\nno more previews: {}\n", failure.what());
+            say("\nno more previews: {}\n", message_of(failure));
             options_.preview.clear();
         }
         preview_took_s_ = seconds_now() - begin;

@@ -12,6 +12,7 @@
 #include "base/platform.h"
 #include "base/seconds.h"
 #include "gpu/device.h"
+#include "tools/remedies.h"
 #include "tools/report.h"
 #include "tools/say.h"
 #include "tools/train/refine.h"
@@ -162,8 +163,8 @@ void SegmentedRun::train(size_t segment, const training::RunClaim& claim) {
 }
 
 void SegmentedRun::leave_out(size_t segment, const std::runtime_error& error) {
-    say("{} is left out: {}\n", name_of(segment), error.what());
-    if (failed_.empty()) problem_ = error.what();
+    say("{} is left out: {}\n", name_of(segment), message_of(error));
+    if (failed_.empty()) problem_ = message_of(error);
     failed_.insert(segment);
 }
 
@@ -249,8 +250,8 @@ bool correct_clip(const gpu::Device& device, TrainOptions& options, const traini
         try {
             options.correction = find_correction(device, options, rig, {times, segment.first, segment.frames});
         } catch (const InputError& error) {  // another segment may do
-            say("the rig is searched in another segment: {}\n", error.what());
-            problem = error.what();
+            say("the rig is searched in another segment: {}\n", message_of(error));
+            problem = message_of(error);
         }
         if (options.correction) return true;
         if (stop_requested()) {

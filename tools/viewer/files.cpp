@@ -12,8 +12,8 @@
 #include "editor/open_file.h"
 #include "interchange/camera/camera_path_file.h"
 #include "tools/viewer/context.h"
-#include "voctree/clip.h"
-#include "voctree/clip_index.h"
+#include "voctree/files/clip.h"
+#include "voctree/files/clip_index.h"
 
 namespace neuvv::viewer {
 

@@ -29,22 +29,22 @@ constexpr uint64_t kMaxWaiting_bytes = uint64_t{1} << 29;  // of images that are
 constexpr uint32_t kMaxCameras = 10000, kMaxFrames = 100000;
 
 void check_settings(const CaptureSettings& s) {
-    const auto expect = [](bool good, const char* option, const std::string& problem, const char* fix) {
-        if (!good) throw InputError("capture", option, problem, fix);
+    const auto expect = [](bool good, const char* setting, const std::string& problem, const Fix& fix) {
+        if (!good) throw InputError(Setting{setting}, "", problem, fix);
     };
     const uint32_t side = media::kMaxImageSide / render::kSupersample;
-    expect(s.cameras >= 1 && s.cameras <= kMaxCameras, "--cameras", fmt::format("{} is out of range", s.cameras),
+    expect(s.cameras >= 1 && s.cameras <= kMaxCameras, "cameras", fmt::format("{} is out of range", s.cameras),
            "choose 1 to 10000");
-    expect(s.frames >= 1 && s.frames <= kMaxFrames, "--frames", fmt::format("{} is out of range", s.frames),
+    expect(s.frames >= 1 && s.frames <= kMaxFrames, "frames", fmt::format("{} is out of range", s.frames),
            "choose 1 to 100000");
-    expect(s.fps > 0 && s.fps <= 1e6, "--fps", fmt::format("{} is no number of frames a second", s.fps),
+    expect(s.fps > 0 && s.fps <= 1e6, "fps", fmt::format("{} is no number of frames a second", s.fps),
            "choose for instance 25");
-    expect(std::min(s.width, s.height) >= 8 && std::max(s.width, s.height) <= side, "--size",
+    expect(std::min(s.width, s.height) >= 8 && std::max(s.width, s.height) <= side, "size",
            fmt::format("{}x{} is out of range", s.width, s.height), "choose 8 to 8192 a side");
-    expect(s.holdout >= 0 && s.holdout < 1, "--holdout", fmt::format("{} is not a share", s.holdout),
+    expect(s.holdout >= 0 && s.holdout < 1, "holdout", fmt::format("{} is not a share", s.holdout),
            "choose 0 to below 1");
-    expect(s.holdout == 0 || s.cameras >= 2, "--holdout", "one camera cannot be kept back and used too",
-           "choose --holdout 0 or more cameras");
+    expect(s.holdout == 0 || s.cameras >= 2, "holdout", "one camera cannot be kept back and used too",
+           Remedy::kMoreCameras);
 }
 
 int32_t choose_animation(const stage::GltfScene& scene, const std::string& name) {

@@ -26,9 +26,9 @@ constexpr uint32_t kViewSamples = 2;             // rays a pixel along each side
 
 void check_view_settings(const ViewSettings& s) {
     if (s.views < 2 || s.views > 100)
-        throw InputError("skeleton", "--views", fmt::format("{} is out of range", s.views), "choose 2 to 100");
+        throw InputError(Setting{"views"}, "", fmt::format("{} is out of range", s.views), "choose 2 to 100");
     if (std::min(s.width, s.height) < 64 || std::max(s.width, s.height) > 4096)
-        throw InputError("skeleton", "--size", fmt::format("{}x{} is out of range", s.width, s.height),
+        throw InputError(Setting{"size"}, "", fmt::format("{}x{} is out of range", s.width, s.height),
                          "choose 64 to 4096 a side");
 }
 
@@ -60,7 +60,7 @@ bool render_performer_views(const gpu::Device& device, const voctree::VOctree& c
                             const CaptureProgress& progress) {
     check_view_settings(settings);
     const std::vector<stage::Camera> cameras = views_around(clip, settings);
-    prepare_output_folder("--output", folder / "images");
+    prepare_output_folder(Setting{"output"}, folder / "images");
 
     const render::Field field = render::upload_field(device, clip, render::WeightPrecision::kHalf);
     render::FrameRenderer renderer(device, field, {settings.width, settings.height, kViewSamples});

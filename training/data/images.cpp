@@ -164,7 +164,7 @@ class CameraLoader {
             set_alpha(image, read(mattes_, {file, -1}));
         else if (std::filesystem::is_directory(folder, ignored) && all_opaque(image))
             throw InputError(file.string(), "", fmt::format("is missing: {} has no other matte", shot.name),
-                             fmt::format("run `neuvv matte {}`", rig_.folder.string()));
+                             {Remedy::kMakeMattes, rig_.folder.string()});
     }
 
     const Rig& rig_;
@@ -219,10 +219,7 @@ void expect_matte(const Rig& rig, const Dataset& dataset, bool may_be_empty) {
             }
     const std::string folder = rig.folder.string();
     if (!clear)
-        throw InputError(folder, "", "no image has a matte: every alpha is 255",
-                         fmt::format("run `neuvv matte {}`, or give RGBA PNGs whose alpha is 255 on the performer and "
-                                     "0 elsewhere",
-                                     folder));
+        throw InputError(folder, "", "no image has a matte: every alpha is 255", {Remedy::kMakeMattesOrGive, folder});
     if (!solid && !may_be_empty)
         throw InputError(folder, "", "every alpha of every image is 0",
                          "give RGBA PNGs whose alpha is 255 on the performer and 0 elsewhere");

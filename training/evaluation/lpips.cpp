@@ -167,7 +167,7 @@ double Lpips::distance(const media::Image& a, const media::Image& b) const {
     assert(a.width == b.width && a.height == b.height && "images to compare have one size");
     if (std::min(a.width, a.height) < kMinSide)
         throw InputError(
-            "--lpips", "",
+            Setting{"lpips"}, "",
             fmt::format("the images are {}×{}, and LPIPS needs {} pixels a side", a.width, a.height, kMinSide),
             "leave it out");
     Planes of_a = input(a), of_b = input(b);

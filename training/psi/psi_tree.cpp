@@ -206,7 +206,7 @@ void train_psi(PsiStep& psi, const Dataset& dataset, const PsiSettings& settings
         batch = sampler.next();
         const StepResult result = psi.wait();
         if (!std::isfinite(result.rgb_loss))
-            throw RuntimeFailure("training of Ψ diverged: the loss is not a number; begin with --init hull");
+            throw RuntimeFailure("training of Ψ diverged: the loss is not a number", Remedy::kBeginWithHull);
         run.add(result, step.weights);
         if (seconds_now() - run.reported >= 1) go_on = callback(run.report(settings, psi));
     }
@@ -232,7 +232,7 @@ voctree::VOctree tree_from_psi(PsiStep& psi, const voctree::VOctree& hull, uint3
     const PsiNetwork network = psi.network();
     const std::vector<voctree::LeafPosition> positions =
         dense_positions(psi, network, hull, levels_above, settings.threshold);
-    if (positions.empty()) throw RuntimeFailure("Ψ found no matter; train it longer, or begin with --init hull");
+    if (positions.empty()) throw RuntimeFailure("Ψ found no matter", Remedy::kTrainLonger);
     voctree::VOctree tree = hull;
     voctree::build_topology(tree, positions);
     set_mean_weights(psi, network, tree, settings);

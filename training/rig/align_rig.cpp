@@ -83,7 +83,7 @@ Scene scene_of(const voctree::ClipIndex& clip, const Dataset& dataset) {
         if (tree.leaf_count > 0) return {std::move(tree), selected_views(views[i], dataset)};
     }
     throw InputError(dataset.folder.string(), "", "has images only of times at which the scene shows nobody",
-                     "leave out --align");
+                     Remedy::kNotAligned);
 }
 
 // What one image says about the motion. `plus`, `minus`: renders with each number changed up and down by its step, so

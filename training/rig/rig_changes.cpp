@@ -60,8 +60,7 @@ void apply(const RigChanges& changes, Dataset& dataset) {
     }
     if (!std::ranges::all_of(has_image, [](bool has) { return has; }))
         throw InputError(dataset.folder.string(), "",
-                         "has a frame of which no image is left without cameras that are late",
-                         "train without --refine time");
+                         "has a frame of which no image is left without cameras that are late", Remedy::kKeepTimes);
     size_t view = 0;
     std::erase_if(dataset.views, [&](View& one) {
         const int64_t frame = frames[view++];

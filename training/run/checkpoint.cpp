@@ -83,11 +83,11 @@ const voctree::NvvChunk& find_chunk(const std::filesystem::path& path, const std
     for (const voctree::NvvChunk& candidate : chunks)
         if (candidate.name == name) return candidate;
     throw InputError(path.string(), "chunk " + std::string(name), "is missing: this is no state of a training run",
-                     "train without --resume");
+                     Remedy::kTrainAnew);
 }
 
 [[noreturn]] void fail_chunk(const std::filesystem::path& path, const char* name, const char* problem) {
-    throw InputError(path.string(), "chunk " + std::string(name), problem, "train without --resume");
+    throw InputError(path.string(), "chunk " + std::string(name), problem, Remedy::kTrainAnew);
 }
 
 [[noreturn]] void fail_finite(const std::filesystem::path& path, const char* name) {
@@ -257,18 +257,18 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         for (const NamedLossWeight& one : kLossWeights) json.at(weight_key(one)).get_to(run.weights.*one.weight);
         json.at("program").get_to(run.program);
     } catch (const nlohmann::json::exception&) {
-        throw InputError(path.string(), "chunk run0", "cannot be read", "train without --resume");
+        throw InputError(path.string(), "chunk run0", "cannot be read", Remedy::kTrainAnew);
     } catch (const std::out_of_range& key) {
         throw InputError(path.string(), "chunk run0", fmt::format("holds a number out of range: \"{}\"", key.what()),
-                         "train without --resume");
+                         Remedy::kTrainAnew);
     }
     std::vector<double> amounts{run.elapsed_s, run.other_s, run.elapsed_s - run.other_s, run.rays, run.minutes};
     for (const NamedLossWeight& one : kLossWeights) amounts.push_back(double{run.weights.*one.weight});
     for (const double amount : amounts)
         if (!(amount >= 0) || !std::isfinite(amount))
-            throw InputError(path.string(), "chunk run0", "holds a number out of range", "train without --resume");
+            throw InputError(path.string(), "chunk run0", "holds a number out of range", Remedy::kTrainAnew);
     if (run.max_depth < 1 || run.tiles_per_step < 1)
-        throw InputError(path.string(), "chunk run0", "holds a 0 where none can be", "train without --resume");
+        throw InputError(path.string(), "chunk run0", "holds a 0 where none can be", Remedy::kTrainAnew);
     return run;
 }
 

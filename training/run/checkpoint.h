@@ -1,4 +1,4 @@
-// A training run on disk: the .nvv that anybody can open, and beside it the .nvv.state from which --resume goes on.
+// A training run on disk: the .nvv that anybody can open, and beside it the .nvv.state from which the run can go on.
 #pragma once
 
 #include <filesystem>

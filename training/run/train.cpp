@@ -91,8 +91,7 @@ class Run {
 
 void Run::go_on_from_checkpoint() {
     if (!std::filesystem::exists(state_path(output_)))
-        throw InputError(state_path(output_).string(), "", "is not there: no run to go on with",
-                         "train without --resume");
+        throw InputError(state_path(output_).string(), "", "is not there: no run to go on with", Remedy::kTrainAnew);
     Checkpoint checkpoint = load_checkpoint(output_);
     if (checkpoint.tree.frames != dataset_.times.size())
         throw InputError(state_path(output_).string(), "",
@@ -131,15 +130,15 @@ void Run::begin_new() {
     trained_.tree =
         settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbovePixel);
     if (run_.max_leaves > 0 && trained_.tree.leaf_count > run_.max_leaves)
-        throw InputError("--max-leaves", std::to_string(run_.max_leaves),
+        throw InputError(Setting{"max-leaves"}, std::to_string(run_.max_leaves),
                          fmt::format("already the first tree has {} leaves", trained_.tree.leaf_count),
-                         "allow more, or choose a lower --resolution");
+                         Remedy::kMoreLeaves);
     if (trained_.tree.leaf_count > max_leaves())
-        throw InputError("--resolution", "",
+        throw InputError(Setting{"resolution"}, "",
                          fmt::format("already the first tree has {} leaves, and this device, or the memory that this "
                                      "program may take, has room for {}",
                                      trained_.tree.leaf_count, max_leaves()),
-                         "choose a lower resolution or --hh-degree");
+                         Remedy::kLowerResolution);
     adopt_first_tree(team(), trained_.tree);
     run_.max_depth = voctree::leaf_positions(trained_.tree)[0].depth + kLevelsAbovePixel;
     make_step();
@@ -293,14 +292,15 @@ void Run::expect_sound(const StepResult& result, const StepSettings& settings, d
         } catch (const std::exception&) {  // then the checkpoint before it is there
         }
         throw RuntimeFailure(
-            fmt::format("training diverged at step {}: the loss of its {} tiles at time {:.3f} is not a number; {} "
-                        "holds step {}, from which --resume goes on",
-                        run_.step, settings.tiles, time, state_path(output_).string(), checkpoints_.last().step));
+            fmt::format("training diverged at step {}: the loss of its {} tiles at time {:.3f} is not a number",
+                        run_.step, settings.tiles, time),
+            {Remedy::kGoOnTraining,
+             fmt::format("{} holds step {}", state_path(output_).string(), checkpoints_.last().step)});
     }
     if (result.overflow > 0)
-        throw RuntimeFailure(
-            fmt::format("{} of {} live leaves found no slot on this device; choose a lower --resolution or --hh-degree",
-                        result.overflow, result.overflow + result.slots));
+        throw RuntimeFailure(fmt::format("{} of {} live leaves found no slot on this device", result.overflow,
+                                         result.overflow + result.slots),
+                             Remedy::kLowerResolution);
 }
 
 TrainProgress Run::progress() const {

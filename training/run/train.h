@@ -70,7 +70,7 @@ struct TrainProgress {
     double loss = 0, psnr = 0;
     double rgb_loss = 0, grad_loss = 0;  // the terms of the loss, before their weights
     uint64_t step = 0;
-    uint64_t began_at_step = 0;  // 0, or the step from which --resume went on
+    uint64_t began_at_step = 0;  // 0, or the step from which the run went on
     uint32_t leaves = 0, depth = 0;
     double epochs = 0;
     std::vector<gpu::PassTime> passes;     // of the last step

@@ -88,9 +88,9 @@ std::vector<Bytes> divide_records(std::span<const uint32_t> records, uint32_t wo
 void expect_room(uint64_t capacity, uint64_t records) {
     if (records > capacity)
         throw RuntimeFailure(
-            fmt::format("rays touch {} leaves in a step, and this device has room for the gradients "
-                        "of {}; choose a lower --resolution or --hh-degree",
-                        records, capacity));
+            fmt::format("rays touch {} leaves in a step, and this device has room for the gradients of {}", records,
+                        capacity),
+            Remedy::kLowerResolution);
 }
 
 uint32_t take_sums(const std::vector<Bytes>& of_members, uint32_t leaves, uint32_t words, std::span<uint32_t> room) {

@@ -266,7 +266,7 @@ voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t 
     }
     if (carved.positions.empty())
         throw InputError(dataset.folder.string(), "", "the mattes leave no matter at this resolution",
-                         "check that alpha is the matte, or raise --resolution");
+                         Remedy::kHigherResolution);
     voctree::build_topology(tree, carved.positions);
     set_initial_weights(dataset, tree, carved);
     return tree;

@@ -86,7 +86,7 @@ json parse(const std::string& file, const std::vector<uint8_t>& bytes) {
 }  // namespace
 
 template <typename Json>
-void BasicJsonNode<Json>::fail(const std::string& problem, const std::string& fix) const {
+void BasicJsonNode<Json>::fail(const std::string& problem, const Fix& fix) const {
     if (damage) throw InputError(file, place, damage->problem, damage->fix);
     throw InputError(file, place, problem, fix);
 }

@@ -8,6 +8,8 @@
 #include <span>
 #include <string>
 
+#include "base/error.h"
+
 namespace neuvv {
 
 // How errors write the place of a value.
@@ -34,7 +36,7 @@ struct BasicJsonNode {
     const JsonDamage* damage = nullptr;
 
     // Throw InputError with the node's file and place.
-    [[noreturn]] void fail(const std::string& problem, const std::string& fix = "") const;
+    [[noreturn]] void fail(const std::string& problem, const Fix& fix = {}) const;
     [[noreturn]] void fail_type(const char* expected) const;  // "is a string, not {expected}"
 
     BasicJsonNode operator[](size_t i) const;         // i < size

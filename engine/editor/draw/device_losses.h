@@ -21,9 +21,8 @@ class DeviceLosses {
         while (!times_s_.empty() && now_s - times_s_.front() > kWithin_s) times_s_.pop_front();
         if (times_s_.size() >= kMost)
             throw RuntimeFailure(
-                fmt::format("the device was lost {} times within {} s: {}; look at the driver's messages (dmesg), or "
-                            "choose another device by --device; unsaved edits are kept for recovery",
-                            times_s_.size() + 1, kWithin_s, why));
+                fmt::format("the device was lost {} times within {} s: {}", times_s_.size() + 1, kWithin_s, why),
+                Remedy::kAfterDeviceLosses);
         times_s_.push_back(now_s);
     }
 

@@ -10,7 +10,7 @@
 #include "base/platform.h"
 #include "base/text.h"
 #include "interchange/camera/camera_path_formats.h"
-#include "interchange/camera_usd.h"
+#include "interchange/stage/camera_usd.h"
 #include "stage/camera_path_json.h"
 #include "stage/evaluated_stage.h"
 

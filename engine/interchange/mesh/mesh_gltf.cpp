@@ -49,7 +49,7 @@ void MeshGlb::add(const ColouredMesh& frame) {
 
 void MeshGlb::write(const std::filesystem::path& file, double fps, const glm::dvec3& origin) {
     add_gltf_frames(glb_, meshes_, fps, origin);
-    glb_.write(file, "export fewer --frames, or a file for each, as in out_%04d.glb");
+    glb_.write(file, Remedy::kFewerFrames);
 }
 
 }  // namespace neuvv::interchange

@@ -32,7 +32,7 @@ void crop(Splats& splats, const SplatBox& box);
 
 // "splat 12 at (1, 2, 3)", with its row in the file.
 std::string place_of(const Splat& splat);
-// "-1,0,-1,1,2,1", as --box has it.
+// "-1,0,-1,1,2,1": from the low corner to the high one.
 std::string text_of(const SplatBox& box);
 
 }  // namespace neuvv::interchange

@@ -103,7 +103,7 @@ void write_splat_glb(const std::filesystem::path& file, std::span<const Splats> 
     std::vector<Json> meshes;
     for (const Splats& splats : frames) meshes.push_back(splats.splats.empty() ? Json() : add_splat_mesh(splats, glb));
     add_gltf_frames(glb, meshes, fps, origin);
-    glb.write(file, "export fewer --frames, or a file for each, as in out_%04d.glb");
+    glb.write(file, Remedy::kFewerFrames);
 }
 
 }  // namespace neuvv::interchange

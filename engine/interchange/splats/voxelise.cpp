@@ -29,7 +29,6 @@ constexpr float kDeviationsOfCell = 0.5f;
 constexpr float kDeviationsOfSample = 0.75f;
 constexpr int kMostSamples = 8;  // along an axis: those of a splat that lies in the cell as a whole
 constexpr uint32_t kTaskDepth = 3;
-constexpr const char* kFewerCells = "choose a smaller --resolution, or --box";
 // Condon-Shortley: harmonics of odd m change their sign.
 constexpr std::array<float, kMaxShCount> kSignOfHarmonic = {1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1};
 
@@ -182,7 +181,7 @@ void Voxeliser::add_leaf(const std::vector<Blob>& blobs, const Task& of, StillLe
     }
     if (!(-std::expm1(-sigma * region.edge_m) >= kLeastImportedOpacity) || !std::isfinite(sigma)) return;
     if (leaf_count_++ >= most_leaves_)
-        throw InputError(file_, "", "has splats in more cells than there is memory for", kFewerCells);
+        throw InputError(file_, "", "has splats in more cells than there is memory for", Remedy::kFewerCells);
     for (glm::vec3& k : colour) k /= sigma;
     leaves.positions.push_back(of.at);
     leaves.values.push_back(sigma);
@@ -286,9 +285,9 @@ voctree::VOctree voxelised(const Splats& splats, const SplatBox& box, double cel
                                  ? fmt::format("lies too far from the origin for cells of {:.3g} m", cell_m)
                                  : fmt::format("lies in a box of {:.0f} cells; a clip has at most {:.0f} along a side",
                                                high[i] - low[i], kMostCells),
-                             kFewerCells);
+                             Remedy::kFewerCells);
     }
-    const CellBox cells = CellBox::around(low, high, 8, file, kFewerCells);
+    const CellBox cells = CellBox::around(low, high, 8, file, Remedy::kFewerCells);
     const StillLeaves leaves = Voxeliser(splats, box, cells, cell_m, file, between).run(blobs_of(splats, cell_m));
     return still_tree(leaves, cells, glm::dvec3(0), glm::dvec3(cell_m), fps);
 }

@@ -64,13 +64,12 @@ void write_stand_ins(const std::filesystem::path& output, const stage::Stage& st
         nodes.push_back(std::move(child));
     }
     if (!splats.empty()) use_extension(glb.json);
-    const std::string fix = "choose a lower --most-splats";
     if (glb.bytes.size() > stage::kMaxStageBytes - stage::kMaxStageJsonBytes)
         throw InputError(output.string(), "",
                          fmt::format("would have {:.1f} GB, more than stages may have",
                                      1e-9 * static_cast<double>(glb.bytes.size())),
-                         fix);
-    glb.write(output, fix);
+                         Remedy::kFewerSplats);
+    glb.write(output, Remedy::kFewerSplats);
 }
 
 }  // namespace neuvv::interchange

@@ -37,7 +37,7 @@ std::vector<size_t> sorted_without_overlaps(const StillLeaves& leaves, uint32_t 
 }  // namespace
 
 CellBox CellBox::around(const glm::ivec3& low, const glm::ivec3& high, int step, const std::string& file,
-                        const std::string& hint) {
+                        const Fix& hint) {
     CellBox box;
     int longest = 0;
     for (int i = 0; i < 3; ++i) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::interchange {
@@ -23,7 +24,7 @@ struct CellBox {
     // A box around the cells from `low` to `high`, both included, that begins at a multiple of `step`, a power of two.
     // Throws InputError with `file` and `hint`, what to do, where it would have more cells than a tree may have.
     static CellBox around(const glm::ivec3& low, const glm::ivec3& high, int step, const std::string& file,
-                          const std::string& hint);
+                          const Fix& hint);
 };
 
 struct StillLeaves {

@@ -125,7 +125,7 @@ Grids fill(const FrameVolume& volume, uint32_t depth) {
 
 openvdb::FloatGrid::Ptr surface_of(const openvdb::FloatGrid& density, float level) {
     if (!density.hasUniformVoxels())
-        throw InputError("--iso", "", "needs a clip whose cells are cubes", "leave it out");
+        throw InputError(Setting{"iso"}, "", "needs a clip whose cells are cubes", "leave it out");
     const double edge = density.voxelSize()[0];
     // By how much the opacity is less than the level.
     openvdb::FloatGrid clear(level);

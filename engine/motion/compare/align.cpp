@@ -96,7 +96,7 @@ Warp warp(const Motion& shown, const Motion& performed, double band_s, bool with
     const double slope = static_cast<double>(columns) / static_cast<double>(rows);
     const double width = std::max({1.0, slope, band_s * shown.fps});
     if (static_cast<double>(rows) * std::min(2 * width + 2, static_cast<double>(columns)) > kMostCells)
-        throw InputError("compare", "--band", fmt::format("{} s is too much for motions this long", band_s),
+        throw InputError(Setting{"band"}, "", fmt::format("{} s is too much for motions this long", band_s),
                          "choose a narrower band, or cut the motions");
     std::vector<WarpRow> table;
     for (size_t i = 0; i < rows; ++i) {

@@ -32,7 +32,7 @@ class Comparer {
     Comparer(const SkeletonClip& trainer, const SkeletonClip& trainee, const CompareOptions& options)
         : options_(options), trainer_(motion_of(trainer)), trainee_(motion_of(resampled(trainee, trainer.fps))) {
         if (std::ranges::find(options.counted, true) == options.counted.end())
-            throw InputError("compare", "--leave-out", "leaves no limb to compare", "name fewer limbs");
+            throw InputError(Setting{"leave-out"}, "", "leaves no limb to compare", "name fewer limbs");
         // The direction in which the trainee stands would make up for it, and hide it in motions that are symmetric.
         if (faces_backwards(trainer) != faces_backwards(trainee))
             throw InputError("compare", faces_backwards(trainer) ? "TRAINER" : "TRAINEE",
@@ -126,7 +126,7 @@ class Comparer {
             throw InputError("compare", "",
                              any ? "trainer and trainee have no arm and no leg that is measured in both"
                                  : "trainer and trainee have no limb that is measured in both",
-                             "neuvv skeleton import prints how many joints of a file are measured");
+                             Remedy::kCountJoints);
     }
 
     // A limb's error with short peaks taken out: at each frame the median of the frames around it. −1 where unknown.

@@ -6,9 +6,9 @@
 
 #include "base/error.h"
 #include "base/line_reader.h"
-#include "motion/line_source.h"
-#include "motion/packet_source.h"
-#include "motion/pose_replay.h"
+#include "motion/live/line_source.h"
+#include "motion/live/packet_source.h"
+#include "motion/live/pose_replay.h"
 
 namespace neuvv::motion {
 

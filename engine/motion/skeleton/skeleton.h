@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "motion/skeleton/joints.h"
 
 namespace neuvv::motion {
@@ -35,8 +36,8 @@ constexpr size_t kMaxSkeletonFrames = 500'000;
 
 struct SkeletonClip {
     double fps = 25;
-    std::vector<Pose> frames;        // never empty in a clip that a function of this module returned
-    std::vector<std::string> notes;  // what a reader of files chose or found odd, a line each
+    std::vector<Pose> frames;  // never empty in a clip that a function of this module returned
+    std::vector<Note> notes;   // what a reader of files chose or found odd, a line each
 };
 
 // The pose at a time in frames, which may lie between two; before the first and after the last frame it is theirs.

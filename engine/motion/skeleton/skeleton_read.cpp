@@ -28,7 +28,7 @@ std::array<size_t, kJoints> joint_nodes(const stage::GltfScene& scene) {
         const auto found = std::ranges::find(scene.nodes, name, &stage::GltfNode::name);
         if (found == scene.nodes.end())
             throw InputError(scene.file, "/nodes", fmt::format("has no joint \"{}\"", name),
-                             "write the skeleton again with neuvv skeleton");
+                             Remedy::kWriteSkeletonAgain);
         nodes[j] = static_cast<size_t>(found - scene.nodes.begin());
     }
     return nodes;

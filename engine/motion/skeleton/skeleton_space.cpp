@@ -83,15 +83,15 @@ void stand_up(const MotionSpace& space, const std::string& file, SkeletonClip& c
     const bool is_up = !space.y_is_up && (standing == Axis::kZ || standing == Axis::kMinusY);
     if (is_up) turn(clip, standing);
     clip.notes.push_back(
-        is_up ? fmt::format("{}: the body stands along {}, which counts as up; --up=y if it lies", file, name)
-              : fmt::format("{}: the body lies along {}; --up={} if that axis is up", file, name, name));
+        is_up ? Note(fmt::format("{}: the body stands along {}, which counts as up", file, name), Remedy::kUpIfLying)
+              : Note(fmt::format("{}: the body lies along {}", file, name), {Remedy::kUpIfTrue, name}));
 }
 
 // How many metres a unit has.
 double find_unit(const MotionSpace& space, const std::string& file, SkeletonClip& clip) {
     const double height = body_height(bone_lengths(clip));
     if (!(height > 0) && !(space.unit_m > 0 && space.height_m == 0))
-        throw InputError(file, "", "has a body without height", "export its offsets, or give --unit");
+        throw InputError(file, "", "has a body without height", Remedy::kGiveUnit);
     if (space.height_m > 0) return space.height_m / height;
     const double unit = space.unit_m > 0 ? space.unit_m : likely_unit(height);
     const double height_m = height * unit;
@@ -99,9 +99,8 @@ double find_unit(const MotionSpace& space, const std::string& file, SkeletonClip
     const bool doubtful = space.unit_m == 0 && (unit == kInch_m || unit == kCmuUnit_m);
     if (height > 0 && (doubtful || !believable))
         clip.notes.push_back(
-            fmt::format("{}: its lengths count as {}, the body as {:.2f} m; --unit or --height where "
-                        "that is wrong",
-                        file, unit_name(unit), height_m));
+            Note(fmt::format("{}: its lengths count as {}, the body as {:.2f} m", file, unit_name(unit), height_m),
+                 Remedy::kUnitIfWrong));
     return unit;
 }
 

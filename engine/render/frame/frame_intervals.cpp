@@ -86,8 +86,8 @@ void FrameRenderer::read_intervals(const TakeIntervals& take) {
         const uint32_t used = intervals_->used_pages().as<uint32_t>()[instances.size() - 1];
         if (used >= intervals_->page_count()) {
             if (most == 1)
-                throw RuntimeFailure(
-                    "performers take more memory along these rays than the device has; choose a smaller --size");
+                throw RuntimeFailure("performers take more memory along these rays than the device has",
+                                     Remedy::kSmallerImage);
             most /= 2;
             continue;
         }

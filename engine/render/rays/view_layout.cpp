@@ -11,10 +11,9 @@ uint32_t checked_ray_tiles(const gpu::Device& device, const ViewLayout& layout) 
     const uint64_t down = (uint64_t{layout.samples} * layout.height + kTile - 1) / kTile;
     const uint64_t tiles = across * down * layout.views;
     if (tiles * kTilePixels > device.buffers().max_elements(16) || tiles > device.buffers().texels)
-        throw RuntimeFailure(
-            fmt::format("{}x{} pixels of {} rays are too many for this device; choose a smaller --size "
-                        "or --samples",
-                        layout.width, layout.height, layout.samples * layout.samples));
+        throw RuntimeFailure(fmt::format("{}x{} pixels of {} rays are too many for this device", layout.width,
+                                         layout.height, layout.samples * layout.samples),
+                             Remedy::kSmallerImageOrFewerRays);
     return static_cast<uint32_t>(tiles);
 }
 

@@ -79,8 +79,8 @@ void Intervals::enlarge() {
     if (make_more_pages()) return;
     if (2 * bands_ > target_.rays.tile_capacity || 2 * merges > merges_)
         throw RuntimeFailure(
-            "performers that stand in each other take more memory along these rays than the device has; choose a "
-            "smaller --size or --samples, or --blend paper");
+            "performers that stand in each other take more memory along these rays than the device has",
+            Remedy::kCheaperBlend);
     bands_ *= 2;
 }
 

@@ -24,7 +24,7 @@ GltfContainer find_gltf_json(const std::vector<uint8_t>& bytes, const std::strin
         ours != voctree::FileContent::kOther)
         throw InputError(file, "",
                          ours == voctree::FileContent::kClip ? "is a clip, not a glTF scene" : "is a layer of paint",
-                         "make a stage for it: `neuvv stage new`, then `neuvv stage add` or `paint`");
+                         Remedy::kMakeStage);
     GltfContainer container{false, 0, bytes.size()};
     container.binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
     if (!container.binary) return container;

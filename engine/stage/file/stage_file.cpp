@@ -174,7 +174,7 @@ std::vector<uint8_t> stage_bytes(const StageFile& file) {
         json = spliced(json_text(saved), saved.json, file.json);
     } catch (const nlohmann::json::type_error&) {
         throw InputError(file.path.string(), "", "would hold a name that is not UTF-8, which glTF does not allow",
-                         "give another name, of a performer by --name");
+                         Remedy::kGiveName);
     }
     if (!saved.binary) return {json.begin(), json.end()};
     while (json.ends_with(' ')) json.pop_back();  // the chunk's padding

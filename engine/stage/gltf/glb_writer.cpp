@@ -61,7 +61,7 @@ size_t GlbWriter::add_times(const std::vector<float>& times) {
     return accessor;
 }
 
-void GlbWriter::write(const std::filesystem::path& file, const std::string& fix) const {
+void GlbWriter::write(const std::filesystem::path& file, const Fix& fix) const {
     nlohmann::ordered_json document = json;
     if (!bytes.empty()) document["buffers"] = nlohmann::ordered_json::array({{{"byteLength", bytes.size()}}});
     std::string text = document.dump();

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
+
 namespace neuvv::stage {
 
 constexpr uint32_t kGltfFloat = 5126, kGltfUnsignedByte = 5121, kGltfUnsignedShort = 5123, kGltfUnsignedInt = 5125;
@@ -36,7 +38,7 @@ struct GlbWriter {
 
     // Writes the file atomically. Throws InputError where it would have more than 4 GiB, and RuntimeFailure; `fix` is
     // what the first of these advises.
-    void write(const std::filesystem::path& file, const std::string& fix) const;
+    void write(const std::filesystem::path& file, const Fix& fix) const;
 
   private:
     size_t add_accessor(size_t view, size_t count, const char* type, uint32_t component_type);

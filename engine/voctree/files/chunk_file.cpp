@@ -161,8 +161,7 @@ FileContent content_of(const std::filesystem::path& path) {
 
 ChunkReader::ChunkReader(const std::filesystem::path& path, const FileKind& kind) : path_(path.string()) {
     std::error_code error;
-    if (!std::filesystem::exists(path, error))
-        throw InputError(path_, "", "no such file", fmt::format("check the path; `{}` writes such files", kind.writer));
+    if (!std::filesystem::exists(path, error)) throw InputError(path_, "", "no such file", kind.fix);
     if (!std::filesystem::is_regular_file(path, error))
         throw InputError(path_, "", "is not a regular file", fmt::format("name an {} file", kind.ending));
     file_bytes_ = std::filesystem::file_size(path, error);
@@ -172,8 +171,7 @@ ChunkReader::ChunkReader(const std::filesystem::path& path, const FileKind& kind
     FileStart start{};
     read(start.magic, std::min<uint64_t>(sizeof start.magic, file_bytes_));
     if (std::memcmp(start.magic, kMagic, 4) != 0)
-        throw InputError(path_, "", fmt::format("is not an {} file", kind.ending),
-                         fmt::format("name a file that `{}` wrote", kind.writer));
+        throw InputError(path_, "", fmt::format("is not an {} file", kind.ending), kind.fix);
     if (std::memcmp(start.magic, kMagic, sizeof kMagic) != 0)
         throw InputError(path_, "", "was damaged by a text-mode transfer", "copy it again as binary");
     read(&start.version, sizeof start.version);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/platform.h"
+#include "base/remedy.h"
 
 namespace neuvv::voctree {
 
@@ -54,9 +55,10 @@ enum class FileContent { kOther, kClip, kPaint };
 FileContent content_of(std::span<const uint8_t> first_bytes);  // the first 16 bytes suffice
 FileContent content_of(const std::filesystem::path& path);     // kOther where the file cannot be read
 
-// How error messages describe a kind of file: its ending, and the command that writes such files.
+// How error messages describe a kind of file: its ending, and what to do where a file is another.
 struct FileKind {
-    std::string ending = ".nvv", writer = "neuvv train";
+    std::string ending = ".nvv";
+    Remedy fix = Remedy::kNameClip;
 };
 
 // Reads a container from front to back, with one chunk in memory at a time. Methods throw InputError where the file is

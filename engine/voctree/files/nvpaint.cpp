@@ -87,11 +87,11 @@ void write_paint(const std::filesystem::path& path, const EditLayer& layer) {
 
 EditLayer read_paint(const std::filesystem::path& path, const PaintedField& field) {
     if (content_of(path) == FileContent::kClip)
-        throw InputError(path.string(), "", "is a clip, not a layer of paint", "name a file that `neuvv paint` wrote");
-    ChunkReader file(path, {".nvpaint", "neuvv paint"});
+        throw InputError(path.string(), "", "is a clip, not a layer of paint", Remedy::kNamePaint);
+    ChunkReader file(path, {".nvpaint", Remedy::kNamePaint});
     ChunkHeader chunk;
     if (!file.next(chunk) || chunk.name != kHeadName)
-        throw InputError(path.string(), "", "is not a layer of paint", "name a file that `neuvv paint` wrote");
+        throw InputError(path.string(), "", "is not a layer of paint", Remedy::kNamePaint);
     const PaintHeader header = read_paint_header(file);
     expect_field(file, header, field);
     EditLayer layer{field, {}};
@@ -123,7 +123,7 @@ void expect_paint_folder(const std::filesystem::path& layer) {
     if (std::filesystem::is_directory(layer, error)) return;
     if (!std::filesystem::exists(layer, error)) throw InputError(layer.string(), "", "there is no such folder");
     throw InputError(layer.string(), "", "is a file, but paint on a clip in segments is a folder",
-                     "name a folder that `neuvv paint` made for this clip");
+                     Remedy::kNamePaintFolder);
 }
 
 EditLayer read_segment_paint(const std::filesystem::path& layer, const ClipSegment& segment,

@@ -89,9 +89,8 @@ stream::CaptureFrame frame_for_stream(const WorldFrame& frame, const std::filesy
         for (int i = 0; i < 3; ++i) said.origin[static_cast<size_t>(i)] = static_cast<int32_t>(steps[i]);
         if (frame_of_stream(said) == frame) return said;
     }
-    throw InputError(
-        clip.string(), "", "has an origin or a unit in its capture that no stream can say",
-        "streams take origins of up to nine digits, and powers of ten as the unit (`neuvv info` says them)");
+    throw InputError(clip.string(), "", "has an origin or a unit in its capture that no stream can say",
+                     Remedy::kLookAtOrigin);
 }
 
 }  // namespace neuvv::voctree

@@ -196,23 +196,23 @@ TEST(Capture, AModelWithoutAnimationShowsItsRestPose) {
     EXPECT_EQ(dataset.views[0].image, dataset.views[1].image);
 }
 
-TEST(Capture, BadSettingsNameTheirOption) {
+TEST(Capture, BadSettingsAreNamed) {
     const TemporaryFolder folder;
-    const auto refuse = [&](const std::function<void(training::CaptureSettings&)>& change, const std::string& option) {
+    const auto refuse = [&](const std::function<void(training::CaptureSettings&)>& change, const std::string& name) {
         training::CaptureSettings settings = small_settings();
         change(settings);
-        expect_input_error([&] { run(folder.path, settings); }, {option});
+        expect_input_error([&] { run(folder.path, settings); }, {name});
     };
-    refuse([](auto& s) { s.cameras = 0; }, "--cameras");
-    refuse([](auto& s) { s.frames = 0; }, "--frames");
-    refuse([](auto& s) { s.frames = 4000000000u; }, "--frames");
-    refuse([](auto& s) { s.fps = NAN; }, "--fps");
-    refuse([](auto& s) { s.fps = 0; }, "--fps");
-    refuse([](auto& s) { s.width = 7; }, "--size");
-    refuse([](auto& s) { s.height = 100000; }, "--size");
-    refuse([](auto& s) { s.holdout = NAN; }, "--holdout");
-    refuse([](auto& s) { s.holdout = 1; }, "--holdout");
-    refuse([](auto& s) { s.cameras = 1; }, "--holdout");
+    refuse([](auto& s) { s.cameras = 0; }, "cameras: ");
+    refuse([](auto& s) { s.frames = 0; }, "frames: ");
+    refuse([](auto& s) { s.frames = 4000000000u; }, "frames: ");
+    refuse([](auto& s) { s.fps = NAN; }, "fps: ");
+    refuse([](auto& s) { s.fps = 0; }, "fps: ");
+    refuse([](auto& s) { s.width = 7; }, "size: ");
+    refuse([](auto& s) { s.height = 100000; }, "size: ");
+    refuse([](auto& s) { s.holdout = NAN; }, "holdout: ");
+    refuse([](auto& s) { s.holdout = 1; }, "holdout: ");
+    refuse([](auto& s) { s.cameras = 1; }, "holdout: ");
     refuse([](auto& s) { s.animation = "waltz"; }, "dance");
     EXPECT_EQ(folder.entries(), 0u) << "refused before anything is written";
     expect_input_error([&] { run(folder.path, small_settings(), folder.path / "none.glb"); }, {"none.glb"});

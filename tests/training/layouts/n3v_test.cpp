@@ -131,7 +131,7 @@ TEST_F(N3vTest, RowsAreCamerasAndTheFirstIsHeldOut) {
 
 TEST_F(N3vTest, MattesAreNeededAndLieBeside) {
     expect_input_error([&] { training::load_dataset(folder.path, training::Split::kTest); },
-                       {"no image has a matte", "neuvv matte"});
+                       {"no image has a matte", "make mattes for"});
     std::filesystem::create_directories(folder.path / "mattes");
     media::Image matte(32, 24);
     for (size_t i = 0; i < 32 * 24; ++i) std::fill_n(&matte.rgba[4 * i], 3, static_cast<uint8_t>(i % 32 < 9 ? 255 : 0));

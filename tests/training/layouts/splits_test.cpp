@@ -42,7 +42,7 @@ TEST(Holdout, ByNumberShareOrName) {
     EXPECT_EQ(held(cameras, "j, b"), "b j");
     for (const char* bad : {"11", "100%", "-1", "1.5", "nobody", "a,nobody"})
         expect_input_error([&] { held(cameras, bad); },
-                           {"--holdout", std::string(bad).ends_with("nobody") ? "nobody" : bad});
+                           {"holdout: ", std::string(bad).ends_with("nobody") ? "nobody" : bad});
 }
 
 TEST(Holdout, NamesThatAreNumbers) {
@@ -95,8 +95,8 @@ TEST_F(Splits, TheUserHoldsOutCamerasOfAnyLayout) {
     EXPECT_EQ(cameras(Split::kTest, "cam03"), "cam03");
     EXPECT_EQ(cameras(Split::kTrain, "cam03"), "cam01 cam02");
     EXPECT_EQ(cameras(Split::kTrain, "0"), "cam01 cam02 cam03");
-    expect_input_error([&] { cameras(Split::kTest, "0"); }, {"--holdout", "holds out no camera"});
-    expect_input_error([&] { cameras(Split::kTrain, "3"); }, {"--holdout", "leaves no camera"});
+    expect_input_error([&] { cameras(Split::kTest, "0"); }, {"holdout: ", "holds out no camera"});
+    expect_input_error([&] { cameras(Split::kTrain, "3"); }, {"holdout: ", "leaves no camera"});
     const training::Rig train = training::read_rig(folder.path, Split::kTrain, "auto", "cam02");
     ASSERT_EQ(train.shots.size(), 4u);
     EXPECT_EQ(train.shots[3].time, 1);
@@ -105,7 +105,7 @@ TEST_F(Splits, TheUserHoldsOutCamerasOfAnyLayout) {
 TEST_F(Splits, OneCameraMayBeTrained) {
     names = {"only"};
     write_easymocap();
-    expect_input_error([&] { cameras(Split::kTrain); }, {"--holdout 0"});
+    expect_input_error([&] { cameras(Split::kTrain); }, {"hold none out"});
     EXPECT_EQ(cameras(Split::kTrain, "0"), "only");
 }
 

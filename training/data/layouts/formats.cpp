@@ -50,7 +50,7 @@ const Format& find_format(const std::filesystem::path& folder, const std::string
     }
     if (name == kAnyFormat)
         throw InputError(folder.string(), "", "is no data set of a known layout", "name a folder that holds " + known);
-    throw InputError("--format", name, "is not a known layout", "give one of " + known);
+    throw InputError(Setting{"format"}, name, "is not a known layout", "give one of " + known);
 }
 
 // Says which other layouts' files lie in the folder, where none was named.
@@ -61,7 +61,8 @@ void note_other_formats(Rig& rig, const Format& chosen) {
             others += fmt::format("{}{} ({})", others.empty() ? "" : ", ", format.name, format.files);
     if (!others.empty())
         rig.remarks.push_back(
-            fmt::format("read as {}; the folder also has files of {}, which --format takes", chosen.name, others));
+            fmt::format("read as {}; the folder also has files of {}, which are read where that format is named",
+                        chosen.name, others));
 }
 
 // Checks what must hold in every layout. Errors name the place in the layout's own file.

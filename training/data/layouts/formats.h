@@ -11,7 +11,7 @@ namespace neuvv::training {
 
 constexpr char kAnyFormat[] = "auto";
 
-// The values of --format: kAnyFormat, then the names of the layouts.
+// What a format may be called: kAnyFormat, then the names of the layouts.
 std::vector<std::string> format_names();
 
 // The cameras and shots of a split; cameras without shots are left out. What it returns is checked: there is a shot, no

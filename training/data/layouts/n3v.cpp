@@ -116,7 +116,7 @@ Rig read_n3v_rig(const std::filesystem::path& folder, Split split) {
             "give each row its video: rows are in order of the videos' names");
     if (videos.size() < 2 && split != Split::kAll)
         throw InputError(rig.file, "", "has one camera, and the first is held out for the test",
-                         "give two or more, or `--holdout 0`");
+                         Remedy::kMoreCamerasOrHoldNone);
     std::vector<CameraFrames> cameras;
     for (size_t i = 0; i < videos.size(); ++i) {
         const std::string place = fmt::format("row {}", i);

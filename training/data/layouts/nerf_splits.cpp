@@ -117,7 +117,7 @@ std::vector<bool> members_by_camera(const std::string& file, const interchange::
     const std::vector<uint32_t> cameras = number_cameras(all.frames);
     if (*std::max_element(cameras.begin(), cameras.end()) == 0)
         throw InputError(file, "frames", "has one camera, and one must be held out for the test",
-                         "give two cameras or more, transforms_train.json and transforms_test.json, or `--holdout 0`");
+                         Remedy::kMoreFilesOrHoldNone);
     std::vector<bool> members;
     for (const uint32_t camera : cameras) members.push_back((camera % kHoldOut == 0) == (split == Split::kTest));
     return members;

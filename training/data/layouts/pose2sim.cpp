@@ -17,9 +17,9 @@
 #include "base/platform.h"
 #include "base/text.h"
 #include "interchange/camera/json_pose.h"
-#include "training/data/layouts/calibration.h"
-#include "training/data/layouts/camera_folders.h"
-#include "training/data/layouts/candidates.h"
+#include "training/data/layouts/rig/calibration.h"
+#include "training/data/layouts/rig/camera_folders.h"
+#include "training/data/layouts/rig/candidates.h"
 
 namespace neuvv::training {
 

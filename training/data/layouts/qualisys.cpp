@@ -14,10 +14,10 @@
 
 #include "base/error.h"
 #include "interchange/camera/json_pose.h"
-#include "training/data/layouts/calibration.h"
-#include "training/data/layouts/camera_folders.h"
-#include "training/data/layouts/candidates.h"
-#include "training/data/layouts/xml_file.h"
+#include "training/data/layouts/rig/calibration.h"
+#include "training/data/layouts/rig/camera_folders.h"
+#include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/xml_file.h"
 
 namespace neuvv::training {
 

@@ -12,13 +12,13 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/formats/json.h"
 #include "interchange/camera/json_pose.h"
 #include "media/image.h"
 #include "training/data/image_reader.h"
-#include "training/data/layouts/calibration.h"
-#include "training/data/layouts/camera_folders.h"
-#include "training/data/layouts/candidates.h"
+#include "training/data/layouts/rig/calibration.h"
+#include "training/data/layouts/rig/camera_folders.h"
+#include "training/data/layouts/rig/candidates.h"
 
 namespace neuvv::training {
 

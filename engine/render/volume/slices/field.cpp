@@ -92,11 +92,9 @@ void add_weights(Field& field, const std::vector<uint16_t>& halves, gpu::Uploads
                                planes * plane_bytes > std::min(limits.storage_bytes, device.max_allocation_bytes());
     if (limits.profile == gpu::BufferProfile::kTexel && planes * uint64_t{field.leaf_count} > limits.texels &&
         limits.allow_storage())
-        throw RuntimeFailure(
-            fmt::format("the weights of {} leaves are more than device \"{}\" binds as a texel buffer; "
-                        "NEUVV_BUFFERS=storage reads them otherwise, or choose a clip of fewer leaves "
-                        "(--max-leaves of `neuvv train`)",
-                        field.leaf_count, device.summary().name));
+        throw RuntimeFailure(fmt::format("the weights of {} leaves are more than device \"{}\" binds as a texel buffer",
+                                         field.leaf_count, device.summary().name),
+                             Remedy::kFewerLeavesOrStorage);
     if (!field.weights_by_address) {
         field.weights.push_back(uploads.add("leaf weights (fp16)", halves, VK_FORMAT_R16G16B16A16_SFLOAT));
         return;

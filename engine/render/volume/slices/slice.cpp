@@ -22,9 +22,8 @@ LiveLeaves::LiveLeaves(const gpu::Device& device, const Field& field, uint32_t s
     // The limit of the indirect dispatches over slots.
     if (gpu::groups_of(capacity, kSliceGroup) > device.limits().maxComputeWorkGroupCount[0])
         throw RuntimeFailure(
-            fmt::format("{} leaves that may live at once are more than this device dispatches; it may "
-                        "show the scene without slices (--slice-budget 0)",
-                        capacity));
+            fmt::format("{} leaves that may live at once are more than this device dispatches", capacity),
+            Remedy::kNoSlices);
 }
 
 Slice::Slice(const gpu::Device& device, const Field& field, uint32_t slots)

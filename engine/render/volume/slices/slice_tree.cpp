@@ -34,9 +34,8 @@ SliceTrees::SliceTrees(const gpu::Device& device, const Field& field, uint32_t e
       counts(device, "counts of entries", sizeof(LiveCount) * slices, gpu::MemoryKind::kDevice) {
     if (gpu::groups_of(capacity, kSliceGroup) > device.limits().maxComputeWorkGroupCount[0])
         throw RuntimeFailure(
-            fmt::format("{} live leaves and nodes at once are more than this device dispatches; it may "
-                        "show the scene without slices (--slice-budget 0)",
-                        capacity));
+            fmt::format("{} live leaves and nodes at once are more than this device dispatches", capacity),
+            Remedy::kNoSlices);
     if (begin == TreesBegin::kEmpty)
         gpu::run_once(device, "empty trees", [this](gpu::Commands& commands) { record_empty(commands, *this); });
 }

@@ -14,8 +14,8 @@
 #include "media/image.h"
 #include "media/video.h"
 #include "training/data/image_reader.h"
-#include "training/data/layouts/candidates.h"
-#include "training/data/layouts/presentation.h"
+#include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/presentation.h"
 
 namespace neuvv::training {
 

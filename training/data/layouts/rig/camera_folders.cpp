@@ -342,7 +342,7 @@ void add_cameras(Rig& rig, const std::vector<CameraFrames>& cameras, Split split
     const bool all = split == Split::kAll;
     if (!all && std::ranges::all_of(cameras, [&](const auto& c) { return c.group == cameras[0].group; }))
         throw InputError(rig.file, "", "has one camera with images, and one must be held out for the test",
-                         "give two cameras or more, or `--holdout 0`");
+                         Remedy::kMoreCamerasOrHoldNone);
     for (const CameraFrames& from : cameras) {
         rig.poses.push_back(from.camera.world_from_camera);
         if (!all && (from.group % kHoldOut == 0) != (split == Split::kTest)) continue;

@@ -16,7 +16,6 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr char kOption[] = "--holdout";
 constexpr char kForms[] = "give a number of cameras (0: none), a share (12.5%), or names (cam03,cam07)";
 
 std::optional<double> number_in(std::string text) {
@@ -37,8 +36,8 @@ std::optional<size_t> count_of(const std::vector<std::string>& cameras, const st
     if (whole && names_one && (*number > all || (holdout.size() > 1 && holdout[0] == '0'))) return std::nullopt;
     const double share = percent ? *number / 100 : *number;
     if (whole ? *number > all : !(share >= 0 && share < 1))
-        throw InputError(kOption, holdout, fmt::format("is more than the {} cameras that there are", cameras.size()),
-                         kForms);
+        throw InputError(Setting{"holdout"}, holdout,
+                         fmt::format("is more than the {} cameras that there are", cameras.size()), kForms);
     if (whole) return static_cast<size_t>(*number);
     return static_cast<size_t>(share > 0 ? std::max(1.0, std::round(share * all)) : 0);
 }
@@ -62,7 +61,7 @@ std::vector<bool> held_out(const std::vector<std::string>& cameras, const std::s
         for (size_t i = 0; i < cameras.size(); ++i)
             if (is_named(cameras[i], name)) held[i] = found = true;
         if (!found)
-            throw InputError(kOption, name, "is no camera",
+            throw InputError(Setting{"holdout"}, name, "is no camera",
                              fmt::format("the cameras are {:.500}", fmt::to_string(fmt::join(cameras, ", "))));
     }
     return held;
@@ -74,7 +73,7 @@ void select_split(Rig& rig, const std::string& holdout, Split wanted) {
     const std::vector<bool> held = held_out(names, holdout);
     std::erase_if(rig.shots, [&](const Shot& shot) { return held[shot.camera] != (wanted == Split::kTest); });
     if (rig.shots.empty())
-        throw InputError(kOption, holdout,
+        throw InputError(Setting{"holdout"}, holdout,
                          wanted == Split::kTest ? "holds out no camera" : "leaves no camera to train with", kForms);
 }
 

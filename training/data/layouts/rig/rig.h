@@ -10,7 +10,7 @@
 
 #include "interchange/camera/lens.h"
 #include "training/data/dataset.h"
-#include "voctree/world_frame.h"
+#include "voctree/files/world_frame.h"
 
 namespace neuvv::training {
 
