@@ -57,7 +57,7 @@ void FrameRenderer::record_playing(const FrameSettings& settings) {
     record_resolve(commands(), layout_.upscaled() ? *upscaler_ : whole, layout_, settings.resolve);
     // Field, Paint → SliceTrees of the next frames, in parts; counts → counts_readback_ of the slot
     for (const auto& performer : performers_)
-        if (performer) record_prefetch(commands(), *performer, settings.prefetch_parts, slot_);
+        if (performer) record_prefetch(commands(), *performer, settings.prefetch_parts, queue_.slot());
 }
 
 // An inspection shows the walks of rays in place of light, and leaves out the set.
@@ -68,7 +68,7 @@ void FrameRenderer::record_inspected(const FrameSettings& settings) {
     record_rays(settings);
     record_inspect(commands(), *inspector_, layout_, settings.resolve);
     for (const auto& performer : performers_)
-        if (performer) record_prefetch(commands(), *performer, settings.prefetch_parts, slot_);
+        if (performer) record_prefetch(commands(), *performer, settings.prefetch_parts, queue_.slot());
 }
 
 // Draws an image without instances, unless image_ is one already but for the tiles that are marked as shown.

@@ -8,11 +8,12 @@
 #include <optional>
 
 #include "media/image.h"
+#include "render/frame/frame_queue.h"
+#include "render/frame/frame_settings.h"
+#include "render/frame/slice_picks.h"
 #include "render/rays/clear_rays.h"
 #include "render/rays/image_list.h"
 #include "render/rays/ray_intervals.h"
-#include "render/rays/resolve.h"
-#include "render/set/set_raster.h"
 #include "render/volume/draw_order.h"
 #include "render/volume/field_levels.h"
 #include "render/volume/inspect.h"
@@ -21,53 +22,6 @@
 #include "render/volume/volume_depth.h"
 
 namespace neuvv::render {
-
-enum class TraceMode {
-    kPlay,    // slice trees, shaded per leaf where that looks the same (play_shading)
-    kShaded,  // slice trees with one colour per leaf
-    kTree,    // slice trees, SH along each ray
-};
-
-enum class Blend {
-    kExact,  // instances whose boxes overlap along a ray are marched together, in depth order
-    kPaper,  // each instance is a layer, and layers are blended by depth: the paper's Algorithm 1 (errata 11)
-};
-
-struct FrameSettings {
-    std::vector<Instance> instances = std::vector<Instance>(1);  // at most kMaxInstances
-    uint32_t width = 0, height = 0;
-    uint32_t samples = 1;  // rays per pixel along each side: 2 averages four rays
-    double scale = 1;      // rays per pixel along each side; below 1 the image is upscaled, and `samples` must be 1
-    std::vector<Fovea> foveae;             // one per view, or none; with foveae `samples` must be 1
-    std::vector<Instance> next_instances;  // of the next images, in their order: their slices are prefetched
-    uint32_t prefetch_parts = 2;           // parts that are prefetched with each image; a slice has kSliceParts
-    ResolveSettings resolve;               // an inspection leaves out the set and its lights
-    TraceMode mode = TraceMode::kTree;
-    Blend blend = Blend::kExact;
-    bool lit = true;  // whether the set's lights shine on performers; else they have the light of their capture
-    float stop = kStopTransmittance;
-    // Whether performers whose leaves look smaller than the distance between two rays are drawn from Field::coarser,
-    // where the fields have it. Painted ones never are, as paint refers to leaves; nor is any where the device has no
-    // memory for slices of all levels.
-    bool far_levels = true;
-};
-
-constexpr uint32_t kMaxInstances = 512;
-
-// The numbers of each performer's targets: the views, and the shadow maps of lights.
-constexpr uint32_t kEyeTarget = 0, kLightTarget = 1;
-
-// The largest frames that a renderer can draw.
-struct FrameCapacity {
-    uint32_t width = 0, height = 0;
-    uint32_t samples = 1;
-    uint32_t views = 1;
-    // Bytes of slices, or less where the device has not so much left (slice_budget), in equal shares for all fields (or
-    // as FrameRenderer::change_fields says). With FrameSettings::far_levels their coarser levels take as much for each
-    // leaf, which is about a third more in all. 0: no slices; the direct path draws all that is not painted.
-    uint64_t slice_budget = kSliceBudget;
-    uint64_t interval_budget = UINT64_MAX;  // bytes of intervals that are merged at once
-};
 
 // Everything that a frame needs on the device, created once. Where an image needs more memory than the device has left,
 // slices are dropped, and from then on fewer are kept; then far levels. Where even that is not enough, what draws the
@@ -122,7 +76,7 @@ class FrameRenderer {
     static constexpr float kPickedNear = 3;
     // The results of the calls that returned true since the last take_picks(), in their order. It waits for them, but
     // for no image that was submitted after them.
-    std::vector<std::vector<Picked>> take_picks();
+    std::vector<std::vector<Picked>> take_picks() { return picks_.take(); }
 
     // Drops all slices, so that the next image builds them again (for measuring).
     void forget_slices();
@@ -163,11 +117,11 @@ class FrameRenderer {
     std::span<const std::vector<DrawnInstance>> drawn() const { return drawn_; }
 
     // Of the last image, with no other under way: GPU time of each pass.
-    std::vector<gpu::PassTime> pass_times() const { return commands_[slot_].pass_times(); }
+    std::vector<gpu::PassTime> pass_times() const { return queue_.commands().pass_times(); }
     // Of the last image that somebody has waited for: time from its submission until then (Commands::milliseconds); the
     // device's time, which on software devices is the former.
-    double milliseconds() const { return milliseconds_; }
-    double device_milliseconds() const { return device_milliseconds_; }
+    double milliseconds() const { return queue_.milliseconds(); }
+    double device_milliseconds() const { return queue_.device_milliseconds(); }
 
   private:
     // Record the frame, pass by pass (frame.cpp), and the copy of its images to the host.
@@ -203,13 +157,10 @@ class FrameRenderer {
     void prepare(const FrameSettings& settings);
     bool overflowed(uint32_t slot) const;
     void enlarge();
-    gpu::Commands& commands() { return commands_[slot_]; }
-    void note_times(uint32_t slot);
+    gpu::Commands& commands() { return queue_.commands(); }
     bool finish(uint32_t slot);
     void wait_for_device();
     std::pair<Performer*, uint32_t> built_slice(const Instance& instance) const;
-    void finish_picks();
-    bool any_under_way() const { return std::ranges::find(under_way_, true) != under_way_.end(); }
     const gpu::Device& device_;
     FieldLevels levels_;
     uint32_t slice_shares_;  // into which the slice budget is divided
@@ -232,15 +183,11 @@ class FrameRenderer {
     std::unique_ptr<PerformerShadows> shadows_;  // where there is a set
     std::unique_ptr<VolumeDepth> volume_depth_;
     std::vector<stage::Camera> set_cameras_;
-    ViewLayout layout_;                                    // of the last image
-    std::vector<RayGrid> grids_;                           // of its views, where it is upscaled
-    std::vector<std::vector<DrawnInstance>> drawn_;        // of the last image: the visible ones, near to far
-    std::array<gpu::Commands, kImagesUnderWay> commands_;  // by slot
-    uint32_t slot_ = 0;                                    // of the last image
-    std::array<bool, kImagesUnderWay> under_way_{};        // by slot: whether nobody has waited for the image
-    double milliseconds_ = 0, device_milliseconds_ = 0;
-    std::vector<SlicePicker*> picking_;        // of begin_pick(), until finish_picks()
-    std::vector<std::vector<Picked>> picked_;  // until take_picks()
+    ViewLayout layout_;                              // of the last image
+    std::vector<RayGrid> grids_;                     // of its views, where it is upscaled
+    std::vector<std::vector<DrawnInstance>> drawn_;  // of the last image: the visible ones, near to far
+    SlicePicks picks_;
+    FrameQueue queue_;  // last, as its destructor waits for what reads the others
 };
 
 // Does something beside a renderer that needs memory on its device. Where there is none left, it is done again without

@@ -78,11 +78,7 @@ void FrameRenderer::read_intervals(const TakeIntervals& take) {
     uint32_t most = kMostTiles;
     for (TileSpan band{0, 0}; band.first < layout_.ray_tiles();) {
         band.end = std::min(layout_.ray_tiles(), band.first + most);
-        commands().begin();
-        record_intervals(instances, band, heads);
-        commands().submit();
-        commands().wait();
-        note_times(slot_);
+        queue_.run([&](gpu::Commands&) { record_intervals(instances, band, heads); });
         const uint32_t used = intervals_->used_pages().as<uint32_t>()[instances.size() - 1];
         if (used >= intervals_->page_count()) {
             if (most == 1)

@@ -28,19 +28,8 @@ std::pair<Performer*, uint32_t> FrameRenderer::built_slice(const Instance& insta
 bool FrameRenderer::begin_pick(const Instance& instance, std::span<const PickRay> rays, float alpha) {
     const auto [performer, slice] = built_slice(instance);
     if (!performer) return false;
-    SlicePicker& picker = performer->idle_picker();
-    picker.begin(slice, rays, alpha);
-    picking_.push_back(&picker);
+    picks_.begin(*performer, slice, rays, alpha);
     return true;
-}
-
-void FrameRenderer::finish_picks() {
-    for (SlicePicker* picker : std::exchange(picking_, {})) picked_.push_back(picker->take());
-}
-
-std::vector<std::vector<Picked>> FrameRenderer::take_picks() {
-    finish_picks();
-    return std::exchange(picked_, {});
 }
 
 }  // namespace neuvv::render

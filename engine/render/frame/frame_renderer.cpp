@@ -62,7 +62,7 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
       lister_(device, target_.rays, target_.ranges),
       resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, nullptr, targets_of(set)),
       listed_resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, &target_.ranges),
-      commands_{gpu::Commands(device, "frame", kMaxScopes), gpu::Commands(device, "frame", kMaxScopes)} {
+      queue_(device, kMaxScopes) {
     capacity_.slice_budget = render::slice_budget(device.memory(), capacity.slice_budget);
     for (const Field* field : levels_.all) paints_.push_back(std::make_unique<Paints>(device, *field));
     if (!set) return;
@@ -75,7 +75,7 @@ FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacit
     : FrameRenderer(other.device_, {other.levels_.all.begin(), other.levels_.all.begin() + other.levels_.given()},
                     capacity, other.set_) {
     other.finish();
-    picked_ = std::move(other.picked_);
+    picks_.take_over(other.picks_);
     slice_shares_ = other.slice_shares_;
     capacity_.slice_budget = other.capacity_.slice_budget;  // its slices are taken over
     paints_ = std::move(other.paints_);
@@ -300,7 +300,7 @@ Intervals& FrameRenderer::intervals() {
 
 bool FrameRenderer::drop_slices() {
     wait_for_device();
-    under_way_ = {};
+    queue_.forget();
     uint64_t taken = 0;
     for (const auto& performer : performers_) {
         const SliceCache* slices = performer ? performer->slices() : nullptr;
@@ -332,7 +332,7 @@ void FrameRenderer::forget_slices() {
 uint64_t FrameRenderer::live_entries() const {
     uint64_t entries = 0;
     for (const auto& performer : performers_)
-        if (performer) entries += performer->used_entries(slot_);
+        if (performer) entries += performer->used_entries(queue_.slot());
     return entries;
 }
 
@@ -372,12 +372,12 @@ FrameSettings FrameRenderer::begin_with_memory_left(std::span<const stage::Camer
 }
 
 std::vector<glm::vec4> FrameRenderer::radiance(uint32_t view) const {
-    assert(!any_under_way() && "finish() first");
+    assert(!queue_.any_under_way() && "finish() first");
     return rows_of_view<glm::vec4>(device_, target_.rays.radiance, layout_, view);
 }
 
 std::vector<float> FrameRenderer::depth(uint32_t view) const {
-    assert(!any_under_way() && "finish() first");
+    assert(!queue_.any_under_way() && "finish() first");
     return rows_of_view<float>(device_, target_.rays.depth, layout_, view);
 }
 

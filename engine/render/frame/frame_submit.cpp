@@ -39,48 +39,35 @@ void FrameRenderer::submit_to(Destination to, std::span<const stage::Camera> cam
                               const Then& then) {
     check_settings(cameras, given);
     if (device_.used_debug_buffer()) finish();  // the host reads and empties it when an image is finished
-    slot_ = (slot_ + 1) % kImagesUnderWay;
-    if (!finish(slot_)) {
+    queue_.turn();
+    if (!finish(queue_.slot())) {
         finish();
         enlarge();
     }
     const TraceSpan span("record a frame");
     const FrameSettings settings = begin_with_memory_left(cameras, given);
-    if (intervals_) intervals_->begin_frame(slot_);
+    if (intervals_) intervals_->begin_frame(queue_.slot());
     commands().begin();
     record_frame(settings);
     if (to == Destination::kHost) record_readback();
     if (then) then(commands(), image_);
-    commands().submit();
-    under_way_[slot_] = true;
+    queue_.submit();
 }
 
 void FrameRenderer::wait_for_device() {
-    finish_picks();
-    for (gpu::Commands& commands : commands_) commands.wait();
-}
-
-// Of the slot's image, which is finished. The timestamps of software devices leave compute passes out where a
-// submission also draws.
-void FrameRenderer::note_times(uint32_t slot) {
-    const gpu::Commands& commands = commands_[slot];
-    milliseconds_ = commands.milliseconds();
-    device_milliseconds_ = device_.summary().kind == "cpu" ? milliseconds_ : commands.device_milliseconds();
+    picks_.finish();
+    queue_.wait_for_device();
 }
 
 // Waits for the image of the slot. Returns false where it lacks parts: finish() must be called.
 bool FrameRenderer::finish(uint32_t slot) {
-    commands_[slot].wait();
-    if (!std::exchange(under_way_[slot], false)) return true;
-    note_times(slot);
-    return !overflowed(slot);
+    return !queue_.wait(slot) || !overflowed(slot);
 }
 
 bool FrameRenderer::finish() {
     bool whole = true;
-    for (uint32_t i = 1; i <= kImagesUnderWay; ++i)  // the oldest first
-        whole &= finish((slot_ + i) % kImagesUnderWay);
-    finish_picks();
+    for (const uint32_t slot : queue_.oldest_first()) whole &= finish(slot);
+    picks_.finish();
     if (!whole) enlarge();
     return whole;
 }
