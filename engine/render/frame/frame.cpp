@@ -31,12 +31,12 @@ void FrameRenderer::record_playing(const FrameSettings& settings) {
     // rays.radiance, rays.depth, ranges.covered, ranges.image_shown, image_
     if (!set_) record_blank(settings);
     // Field weights, bases and nodes, Paint → SliceTrees nodes, entries, entry_leaf, counts
-    for (const auto& performer : performers_)
+    for (const auto& performer : slices_.performers())
         if (performer) record_slices(commands(), *performer);
     if (set_) {
         set_->lighting.record_lights(commands());
         // SliceTrees → the shadows' own ranges and rays → SetRaster performer_shadows
-        record_performer_shadows(commands(), *shadows_, performers_, kLightTarget);
+        record_performer_shadows(commands(), *shadows_, slices_.performers(), kLightTarget);
         // SetRaster vertices, materials, lights_buffer → set_shadow_maps
         set_->record_shadows(commands());
         // the same, set_shadow_maps, performer_shadows → colour, depth
@@ -56,18 +56,18 @@ void FrameRenderer::record_playing(const FrameSettings& settings) {
     const Resolver& whole = set_ ? resolver_ : listed_resolver_;
     record_resolve(commands(), layout_.upscaled() ? *upscaler_ : whole, layout_, settings.resolve);
     // Field, Paint → SliceTrees of the next frames, in parts; counts → counts_readback_ of the slot
-    for (const auto& performer : performers_)
+    for (const auto& performer : slices_.performers())
         if (performer) record_prefetch(commands(), *performer, settings.prefetch_parts, queue_.slot());
 }
 
 // An inspection shows the walks of rays in place of light, and leaves out the set.
 void FrameRenderer::record_inspected(const FrameSettings& settings) {
     blank_key_.reset();  // as it draws all of image_
-    for (const auto& performer : performers_)
+    for (const auto& performer : slices_.performers())
         if (performer) record_slices(commands(), *performer);
     record_rays(settings);
     record_inspect(commands(), *inspector_, layout_, settings.resolve);
-    for (const auto& performer : performers_)
+    for (const auto& performer : slices_.performers())
         if (performer) record_prefetch(commands(), *performer, settings.prefetch_parts, queue_.slot());
 }
 
@@ -89,7 +89,7 @@ void FrameRenderer::record_rays(const FrameSettings& settings) {
     record_clear_rays(commands(), clearer_);
     for (const std::vector<DrawnInstance>& group : drawn_)
         if (group.size() == 1)
-            record_instance(commands(), *performers_[group[0].field], kEyeTarget, group[0], layout_);
+            record_instance(commands(), *slices_.performers()[group[0].field], kEyeTarget, group[0], layout_);
         else
             record_merged(group, settings);
 }
@@ -98,7 +98,7 @@ void FrameRenderer::record_rays(const FrameSettings& settings) {
 void FrameRenderer::record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings) {
     record_clear_sharing(commands(), target_.ranges);
     for (const DrawnInstance& instance : group)
-        record_sharing(commands(), *performers_[instance.field], kEyeTarget, instance, layout_);
+        record_sharing(commands(), *slices_.performers()[instance.field], kEyeTarget, instance, layout_);
     const auto groups = static_cast<uint32_t>(
         std::count_if(drawn_.begin(), drawn_.end(), [](const auto& drawn) { return drawn.size() > 1; }));
     const uint64_t bands = intervals_->bands(groups), all = layout_.ray_tiles();
@@ -109,7 +109,7 @@ void FrameRenderer::record_merged(std::span<const DrawnInstance> group, const Fr
         record_merge_begin(commands(), *intervals_);
         for (DrawnInstance instance : group) {
             instance.rays.tiles = tiles;
-            record_instance(commands(), *performers_[instance.field], kEyeTarget, instance, layout_);
+            record_instance(commands(), *slices_.performers()[instance.field], kEyeTarget, instance, layout_);
         }
         record_merge(commands(), *intervals_, tiles, settings.stop);
     }

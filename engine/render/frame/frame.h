@@ -11,11 +11,11 @@
 #include "render/frame/frame_queue.h"
 #include "render/frame/frame_settings.h"
 #include "render/frame/slice_picks.h"
+#include "render/frame/slice_residency.h"
 #include "render/rays/clear_rays.h"
 #include "render/rays/image_list.h"
 #include "render/rays/ray_intervals.h"
 #include "render/volume/draw_order.h"
-#include "render/volume/field_levels.h"
 #include "render/volume/inspect.h"
 #include "render/volume/intervals.h"
 #include "render/volume/performer_shadows.h"
@@ -66,7 +66,7 @@ class FrameRenderer {
     media::Image render(const stage::Camera& camera, const FrameSettings& settings);
 
     // The paints for the instances of a field.
-    Paints& paints(uint32_t field = 0) { return *paints_[field]; }
+    Paints& paints(uint32_t field = 0) { return slices_.paints(field); }
 
     // Has the device find, after the images that are under way, where rays meet the surface of an instance (`alpha` as
     // for SlicePicker::pick), in the slice that images have left of it whose time is nearest to the instance's. The
@@ -85,7 +85,7 @@ class FrameRenderer {
     // there were any.
     bool drop_slices();
     // The bytes that slices may take now; 1: one slice of each field.
-    uint64_t slice_budget() const { return capacity_.slice_budget; }
+    uint64_t slice_budget() const { return slices_.budget(); }
 
     // The rays of a view of the last image, in rows of layout().rays_across(): premultiplied linear RGB and alpha;
     // depth along the ray in metres. After an inspection they hold what shared/inspect.h says.
@@ -101,12 +101,10 @@ class FrameRenderer {
 
     // What the last image left on the device, of a field that was given, without its coarser levels. Null before the
     // first image.
-    const Performer* performer(uint32_t field = 0) const {
-        return field < performers_.size() ? performers_[field].get() : nullptr;
-    }
+    const Performer* performer(uint32_t field = 0) const { return slices_.performer(field); }
     // The number of live leaves and of live nodes above them, in all slices that the last image used. Instances of a
     // field at the same time share a slice.
-    uint64_t live_entries() const;
+    uint64_t live_entries() const { return slices_.live_entries(queue_.slot()); }
     const TileRanges& ranges() const { return target_.ranges; }
     const SetRaster* set() const { return set_; }  // null where there is none
     const gpu::Device& device() const { return device_; }
@@ -137,12 +135,13 @@ class FrameRenderer {
                    const TakeIntervals& take) const;
     Intervals& intervals();
     enum class Destination { kDevice, kHost };
-    void choose_far_levels(std::span<const stage::Camera> cameras, FrameSettings& settings) const;
     void draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings,
                  const Then& then);
     FrameSettings begin(std::span<const stage::Camera> cameras, const FrameSettings& settings);
     FrameSettings begin_with_memory_left(std::span<const stage::Camera> cameras, const FrameSettings& settings);
     void drop_slices_or_rethrow(const gpu::VulkanError& error);
+    std::vector<PerformerTarget> performer_targets() const;
+    SliceRequests slice_requests(std::span<const Instance> next) const;
     void submit_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings,
                    const Then& then);
     void check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
@@ -152,18 +151,13 @@ class FrameRenderer {
     void write_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings);
     std::vector<std::vector<uint32_t>> instance_order(std::span<const stage::Camera> cameras,
                                                       const FrameSettings& settings) const;
-    std::unique_ptr<Performer> make_performer(uint32_t index) const;
-    void make_performers(bool far_levels);
     void prepare(const FrameSettings& settings);
     bool overflowed(uint32_t slot) const;
     void enlarge();
     gpu::Commands& commands() { return queue_.commands(); }
     bool finish(uint32_t slot);
     void wait_for_device();
-    std::pair<Performer*, uint32_t> built_slice(const Instance& instance) const;
     const gpu::Device& device_;
-    FieldLevels levels_;
-    uint32_t slice_shares_;  // into which the slice budget is divided
     FrameCapacity capacity_;
     SetRaster* set_;
     RayTarget target_;
@@ -172,9 +166,7 @@ class FrameRenderer {
     // anew.
     std::optional<std::pair<ViewLayout, ResolveSettings>> blank_key_;
     RayClearer clearer_;
-    std::vector<std::unique_ptr<Paints>> paints_;         // by field of levels_.all
-    std::vector<std::unique_ptr<Performer>> performers_;  // likewise; created by the first image
-    std::optional<bool> far_levels_fit_;  // whether there was memory for all of levels_.all; nothing: not tried yet
+    SliceResidency slices_;
     std::unique_ptr<Intervals> intervals_;
     ImageLister lister_;
     Resolver resolver_, listed_resolver_;        // of all tiles; of the listed tiles

@@ -37,7 +37,7 @@ void FrameRenderer::record_intervals(std::span<const DrawnInstance> instances, c
     for (size_t i = 0; i < instances.size(); ++i) {
         DrawnInstance instance = instances[i];
         instance.rays.tiles = tiles;
-        record_instance(commands(), *performers_[instance.field], kEyeTarget, instance, layout_);
+        record_instance(commands(), *slices_.performers()[instance.field], kEyeTarget, instance, layout_);
         gpu::copy(commands(), intervals_->pages(), intervals_->used_pages(), sizeof(uint32_t), 0, sizeof(uint32_t) * i);
     }
     gpu::copy(commands(), intervals_->pages(), heads, sizeof(uint32_t) * kTilePixels * (tiles.end - tiles.first),
@@ -72,7 +72,7 @@ void FrameRenderer::read_intervals(const TakeIntervals& take) {
     const std::vector<DrawnInstance> instances = all_in_intervals(drawn_);
     if (instances.empty()) return;
     for (const DrawnInstance& instance : instances)
-        performers_[instance.field]->prepare(kEyeTarget, instance, &intervals());
+        slices_.performers()[instance.field]->prepare(kEyeTarget, instance, &intervals());
     const gpu::Buffer heads(device_, "heads readback", sizeof(uint32_t) * kTilePixels * kMostTiles,
                             gpu::MemoryKind::kReadback);
     uint32_t most = kMostTiles;

@@ -50,8 +50,6 @@ constexpr uint32_t kMaxMerges = 4 * kMaxInstances;  // groups of instances, time
 FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
                              SetRaster* set)
     : device_(device),
-      levels_(std::move(fields)),
-      slice_shares_(levels_.given()),
       capacity_(capacity),
       set_(set),
       target_(device, capacity.views * (kMaxInstances + 1), checked_ray_tiles(device, largest(capacity)),
@@ -59,12 +57,11 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
       image_(device, "image", largest(capacity).image_bytes(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       readback_(device, "image readback", largest(capacity).image_bytes(), gpu::MemoryKind::kReadback),
       clearer_(device, target_),
+      slices_(device, std::move(fields), capacity.slice_budget),
       lister_(device, target_.rays, target_.ranges),
       resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, nullptr, targets_of(set)),
       listed_resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, &target_.ranges),
       queue_(device, kMaxScopes) {
-    capacity_.slice_budget = render::slice_budget(device.memory(), capacity.slice_budget);
-    for (const Field* field : levels_.all) paints_.push_back(std::make_unique<Paints>(device, *field));
     if (!set) return;
     assert(set->targets().views() >= capacity.views);
     shadows_ = std::make_unique<PerformerShadows>(device, set->lighting, kMaxInstances);
@@ -72,47 +69,26 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
 }
 
 FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacity)
-    : FrameRenderer(other.device_, {other.levels_.all.begin(), other.levels_.all.begin() + other.levels_.given()},
-                    capacity, other.set_) {
+    : FrameRenderer(other.device_, other.slices_.fields(), capacity, other.set_) {
     other.finish();
     picks_.take_over(other.picks_);
-    slice_shares_ = other.slice_shares_;
-    capacity_.slice_budget = other.capacity_.slice_budget;  // its slices are taken over
-    paints_ = std::move(other.paints_);
     shadows_ = std::move(other.shadows_);
-    performers_ = std::move(other.performers_);
-    far_levels_fit_ = other.far_levels_fit_;
-    for (const auto& performer : performers_)
-        if (performer) performer->replace_target(kEyeTarget, target_, capacity_.views);
+    slices_.take_over(other.slices_, performer_targets()[kEyeTarget]);
 }
 
-// Where each field's share of the budget changes, slices are created again.
+std::vector<PerformerTarget> FrameRenderer::performer_targets() const {
+    std::vector<PerformerTarget> targets{{&target_, capacity_.views}};
+    if (shadows_) targets.push_back({&shadows_->target, kMaxShadows});
+    return targets;
+}
+
 void FrameRenderer::change_fields(std::vector<const Field*> fields, uint32_t shares) {
     if (shares == 0) shares = static_cast<uint32_t>(fields.size());
-    const bool same_shares = slice_shares_ == shares;
-    if (same_shares && std::ranges::equal(fields, std::span(levels_.all).first(levels_.given()))) return;
+    if (slices_.has_fields(fields, shares)) return;
     finish();
-    slice_shares_ = shares;
-    FieldLevels next(std::move(fields));
-    std::vector<std::unique_ptr<Paints>> paints(next.all.size());
-    std::vector<std::unique_ptr<Performer>> performers(next.all.size());
-    performers_.resize(levels_.all.size());
-    for (size_t i = 0; i < next.all.size(); ++i) {
-        const auto before = std::find(levels_.all.begin(), levels_.all.end(), next.all[i]);
-        if (before == levels_.all.end()) {
-            paints[i] = std::make_unique<Paints>(device_, *next.all[i]);
-            continue;
-        }
-        const auto at = static_cast<size_t>(before - levels_.all.begin());
-        paints[i] = std::move(paints_[at]);
-        if (same_shares) performers[i] = std::move(performers_[at]);
-    }
+    slices_.change_fields(std::move(fields), shares);
     inspector_.reset();
     drawn_.clear();
-    performers_ = std::move(performers);  // before the paints that they refer to
-    paints_ = std::move(paints);
-    levels_ = std::move(next);
-    far_levels_fit_.reset();
 }
 
 void FrameRenderer::check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const {
@@ -141,7 +117,7 @@ void FrameRenderer::check_settings(std::span<const stage::Camera> cameras, const
             throw RuntimeFailure(fmt::format("instance {}: its frame is not finite", i));
         if (!std::isfinite(volume) || volume == 0)
             throw RuntimeFailure(fmt::format("instance {}: its transform cannot be inverted", i));
-        if (settings.instances[i].field >= levels_.given())
+        if (settings.instances[i].field >= slices_.levels().given())
             throw RuntimeFailure(fmt::format("instance {}: there is no field {}", i, settings.instances[i].field));
     }
 }
@@ -187,7 +163,7 @@ std::vector<std::vector<uint32_t>> FrameRenderer::instance_order(std::span<const
     for (const stage::Camera& camera : cameras) eyes.emplace_back(camera.world_from_camera[3]);
     std::vector<TransformedBox> boxes;
     for (const Instance& instance : settings.instances) {
-        const Field& field = *levels_.all[instance.field];
+        const Field& field = *slices_.levels().all[instance.field];
         boxes.push_back(transformed_box(field.leaves_min, field.leaves_max, instance.world_from_performer));
     }
     if (settings.blend == Blend::kExact) return draw_order(boxes, eyes);
@@ -209,8 +185,8 @@ void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, cons
         std::vector<DrawnInstance> drawn;
         for (const uint32_t i : group) {
             const Instance& instance = settings.instances[i];
-            auto one =
-                write_instance_cameras(views_of(cameras, settings), *levels_.all[instance.field], instance, placed);
+            auto one = write_instance_cameras(views_of(cameras, settings), *slices_.levels().all[instance.field],
+                                              instance, placed);
             if (!one) continue;
             if (settings.mode == TraceMode::kTree) one->shading = Shading::kPerRay;
             if (settings.mode == TraceMode::kShaded) one->shading = Shading::kPerLeaf;
@@ -231,65 +207,40 @@ void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, cons
             for (DrawnInstance& instance : drawn) instance.output = RayOutput::kIntervals;
         if (!drawn.empty()) drawn_.push_back(std::move(drawn));
     }
-    if (shadows_) shadows_->prepare(levels_, settings.instances);
+    if (shadows_) shadows_->prepare(slices_.levels(), settings.instances);
 }
 
-std::unique_ptr<Performer> FrameRenderer::make_performer(uint32_t index) const {
-    const Field &field = *levels_.all[index], &finest = levels_.finest(index);
-    uint64_t share = slice_share(capacity_.slice_budget, slice_shares_);
-    if (&field != &finest) share = slice_share_of_level(share, finest, field);
-    auto performer = std::make_unique<Performer>(device_, field, *paints_[index], share);
-    performer->add_target(target_, capacity_.views);
-    if (shadows_) performer->add_target(shadows_->target, kMaxShadows);
-    return performer;
-}
-
-// Creates the performers that do not exist yet: those of the given fields, and of all of their coarser levels, so that
-// no later frame waits for one. Where memory is short although each has but one slice, the given fields alone have
-// performers.
-void FrameRenderer::make_performers(bool far_levels) {
-    performers_.resize(levels_.all.size());
-    for (uint32_t i = 0; i < levels_.given(); ++i)
-        if (!performers_[i]) performers_[i] = make_performer(i);
-    if (!far_levels || far_levels_fit_) return;
-    try {
-        for (uint32_t i = levels_.given(); i < levels_.all.size(); ++i)
-            if (!performers_[i]) performers_[i] = make_performer(i);
-        far_levels_fit_ = true;
-    } catch (const RuntimeFailure& error) {
-        const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&error);
-        if (vulkan && (vulkan->device_lost() || capacity_.slice_budget > 1)) throw;
-        far_levels_fit_ = false;
-        wait_for_device();  // picks may read their slices
-        for (uint32_t i = levels_.given(); i < levels_.all.size(); ++i) performers_[i].reset();
-    }
+// Those of highlighted instances come first, as they need slices, and those of shadows last, as a missing slice matters
+// less there.
+SliceRequests FrameRenderer::slice_requests(std::span<const Instance> next) const {
+    const size_t fields = slices_.levels().all.size();
+    SliceRequests requests{std::vector<std::vector<SliceKey>>(fields), std::vector<std::vector<SliceKey>>(fields)};
+    for (const bool highlighted : {true, false})
+        for (const auto& group : drawn_)
+            for (const DrawnInstance& instance : group)
+                if ((instance.highlight != nullptr) == highlighted)
+                    requests.now[instance.field].push_back(instance.slice());
+    if (shadows_)
+        for (const DrawnInstance& instance : shadows_->drawn) requests.now[instance.field].push_back(instance.slice());
+    for (const Instance& one : next)
+        if (one.field < fields) requests.next[one.field].push_back({one.frame, one.paint});
+    return requests;
 }
 
 void FrameRenderer::prepare(const FrameSettings& settings) {
     if (is_inspection(settings.resolve.show) && !inspector_)
-        inspector_ =
-            std::make_unique<Inspector>(device_, target_.rays, image_, std::span(levels_.all).first(levels_.given()));
-    std::vector<std::vector<SliceKey>> slices(levels_.all.size()), next(levels_.all.size());
-    for (const bool highlighted : {true, false})  // a highlight needs a slice
-        for (const auto& group : drawn_)
-            for (const DrawnInstance& instance : group)
-                if ((instance.highlight != nullptr) == highlighted) slices[instance.field].push_back(instance.slice());
-    if (shadows_)  // after those of the views, as a missing slice matters less in a shadow
-        for (const DrawnInstance& instance : shadows_->drawn) slices[instance.field].push_back(instance.slice());
-    for (const Instance& one : settings.next_instances)
-        if (one.field < next.size()) next[one.field].push_back({one.frame, one.paint});
-    for (size_t i = 0; i < performers_.size(); ++i) {
-        if (!performers_[i]) continue;
-        if (performers_[i]->replaces_slices(slices[i])) wait_for_device();
-        performers_[i]->prepare(slices[i], next[i]);
-    }
+        inspector_ = std::make_unique<Inspector>(device_, target_.rays, image_, slices_.fields());
+    const SliceRequests requests = slice_requests(settings.next_instances);
+    if (slices_.replaces(requests)) wait_for_device();
+    slices_.request(requests);
+    const auto performers = slices_.performers();
     if (shadows_)
         for (const DrawnInstance& instance : shadows_->drawn)
-            performers_[instance.field]->prepare(kLightTarget, instance, nullptr);
+            performers[instance.field]->prepare(kLightTarget, instance, nullptr);
     for (const auto& group : drawn_) {
         if (group.size() > 1) intervals();
         for (const DrawnInstance& instance : group)
-            performers_[instance.field]->prepare(kEyeTarget, instance, intervals_.get());
+            performers[instance.field]->prepare(kEyeTarget, instance, intervals_.get());
     }
 }
 
@@ -298,62 +249,40 @@ Intervals& FrameRenderer::intervals() {
     return *intervals_;
 }
 
+bool FrameRenderer::begin_pick(const Instance& instance, std::span<const PickRay> rays, float alpha) {
+    const auto [performer, slice] = slices_.nearest_built(instance, kPickedNear);
+    if (performer) picks_.begin(*performer, slice, rays, alpha);
+    return performer != nullptr;
+}
+
 bool FrameRenderer::drop_slices() {
     wait_for_device();
     queue_.forget();
-    uint64_t taken = 0;
-    for (const auto& performer : performers_) {
-        const SliceCache* slices = performer ? performer->slices() : nullptr;
-        if (slices) taken += slices->trees().slices * slice_bytes(performer->field(), slices->trees().capacity);
-    }
-    if (taken > 0 && capacity_.slice_budget > 1)
-        capacity_.slice_budget = std::max<uint64_t>(std::min(taken, capacity_.slice_budget) / 2, 1);
-    performers_.clear();
-    if (far_levels_fit_.value_or(false))
-        far_levels_fit_.reset();  // where they did not fit, they stay out until fields change
-    return taken > 0;
+    return slices_.drop();
 }
 
-// For a handler of the error: performers may be incomplete, or none may exist because the first did not fit.
+// For a handler of the error.
 void FrameRenderer::drop_slices_or_rethrow(const gpu::VulkanError& error) {
     if (error.device_lost()) throw;
-    const uint64_t before = capacity_.slice_budget;
-    drop_slices();
-    if (!error.out_of_memory() || before <= 1) throw;
-    if (capacity_.slice_budget == before) capacity_.slice_budget = before / 2;
+    wait_for_device();
+    queue_.forget();
+    if (!slices_.drop_after(error)) throw;
 }
 
 void FrameRenderer::forget_slices() {
     finish();
-    for (const auto& performer : performers_)
-        if (performer && performer->slices()) performer->slices()->forget();
-}
-
-uint64_t FrameRenderer::live_entries() const {
-    uint64_t entries = 0;
-    for (const auto& performer : performers_)
-        if (performer) entries += performer->used_entries(queue_.slot());
-    return entries;
-}
-
-// Makes the level at which an instance is drawn its field, also of the instances whose slices are prefetched.
-void FrameRenderer::choose_far_levels(std::span<const stage::Camera> cameras, FrameSettings& settings) const {
-    if (!settings.far_levels || !far_levels_fit_.value_or(false)) return;
-    for (std::vector<Instance>* instances : {&settings.instances, &settings.next_instances})
-        for (Instance& instance : *instances) {
-            if (instance.paint != 0 || instance.field >= levels_.given()) continue;
-            const uint32_t level =
-                far_level_for(*levels_.all[instance.field], cameras, instance.world_from_performer, settings.samples);
-            instance.field = levels_.index(instance.field, level);
-        }
+    slices_.forget();
 }
 
 // Writes what the host writes for an image, creates what it needs on the device, and returns its settings with the
 // levels at which instances are drawn.
 FrameSettings FrameRenderer::begin(std::span<const stage::Camera> cameras, const FrameSettings& given) {
-    make_performers(given.far_levels);
+    if (!slices_.ensure_performers(performer_targets(), given.far_levels)) {
+        wait_for_device();
+        slices_.free_far_levels();
+    }
     FrameSettings settings = given;
-    choose_far_levels(cameras, settings);
+    slices_.choose_far_levels(cameras, settings);
     write_rays(cameras, settings);
     write_instances(cameras, settings);
     prepare(settings);

@@ -10,22 +10,17 @@ namespace neuvv::render {
 
 // Whether the image of this slot, which must be finished, needed more room on the device than there was.
 bool FrameRenderer::overflowed(uint32_t slot) const {
-    return (intervals_ && intervals_->overflowed(slot)) ||
-           std::ranges::any_of(performers_, [slot](const auto& one) { return one && one->overflowed(slot); });
+    return (intervals_ && intervals_->overflowed(slot)) || slices_.overflowed(slot);
 }
 
 // Makes more room for what had too little in finished images. No image may be under way.
 void FrameRenderer::enlarge() {
-    const auto in_any = [](const auto& what) {
-        for (uint32_t slot = 0; slot < kImagesUnderWay; ++slot)
-            if (what.overflowed(slot)) return true;
-        return false;
-    };
     try {
-        for (const auto& performer : performers_)
-            if (performer && in_any(*performer)) performer->enlarge_slices();
-        if (intervals_ && in_any(*intervals_)) {
-            for (const auto& performer : performers_)
+        slices_.enlarge();
+        bool any = false;
+        for (uint32_t slot = 0; intervals_ && slot < kImagesUnderWay; ++slot) any |= intervals_->overflowed(slot);
+        if (any) {
+            for (const auto& performer : slices_.performers())
                 if (performer) performer->forget_intervals();
             intervals_->enlarge();
         }
