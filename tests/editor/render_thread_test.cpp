@@ -71,7 +71,7 @@ TEST_F(RenderThreads, BeginAgainOnAnotherDevice) {
     EXPECT_THROW(wait_for([](const auto&) { return false; }), gpu::VulkanError);
     bool ran = false;
     thread.post(
-        [&](editor::OnDevice& on) { ran = &on.device == &device() && on.renderer.frames().slice_budget() > 0; });
+        [&](editor::OnDevice& on) { ran = &on.device == &device() && on.renderer.frames().slices().budget() > 0; });
     thread.release();
     EXPECT_LT(device().buffer_bytes(), bytes / 4) << "what it had on the device is gone";
     thread.restart();

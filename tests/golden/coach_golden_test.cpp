@@ -10,7 +10,7 @@
 #include "motion/detector.h"
 #include "motion/skeleton/skeleton_file.h"
 #include "motion/trainee.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "support/body_tree.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"

@@ -7,7 +7,7 @@
 #include "edit/brush.h"
 #include "edit/project.h"
 #include "golden/golden.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "support/figure.h"
 #include "support/gpu_test.h"
 

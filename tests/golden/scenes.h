@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 
 namespace neuvv::test {
 

@@ -6,7 +6,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/waver_tree.h"
@@ -134,8 +134,8 @@ TEST_F(FieldLevelsTest, FarPerformersComeNearerToManyRays) {
             const media::Image truth = many.render(camera, truth_settings);
             without += squared_error(truth, image(camera, false));
             with += squared_error(truth, image(camera, true));
-            ASSERT_EQ(renderer.drawn().size(), 1u);
-            EXPECT_EQ(renderer.drawn()[0][0].field, level);
+            ASSERT_EQ(renderer.plan().drawn.size(), 1u);
+            EXPECT_EQ(renderer.plan().drawn[0][0].field, level);
         }
         EXPECT_LT(with, 0.8 * without) << level;
     }
@@ -147,8 +147,8 @@ TEST_F(FieldLevelsTest, FewerRaysThanPixelsDoNotChangeTheLevel) {
     for (const double scale : {1.0, 0.7, 0.3}) {
         settings.scale = scale;
         image(camera, true);
-        ASSERT_EQ(renderer.drawn().size(), 1u);
-        EXPECT_EQ(renderer.drawn()[0][0].field, 1u) << scale;
+        ASSERT_EQ(renderer.plan().drawn.size(), 1u);
+        EXPECT_EQ(renderer.plan().drawn[0][0].field, 1u) << scale;
     }
 }
 
@@ -205,9 +205,9 @@ TEST_F(FieldLevelsTest, EachInstanceIsPrefetchedAtItsOwnLevel) {
     settings.instances = settings.next_instances;
     settings.next_instances.clear();
     renderer.render(camera, settings);
-    ASSERT_EQ(renderer.drawn().size(), 2u);
-    EXPECT_EQ(renderer.drawn()[0][0].field, 0u);
-    EXPECT_EQ(renderer.drawn()[1][0].field, 2u);
+    ASSERT_EQ(renderer.plan().drawn.size(), 2u);
+    EXPECT_EQ(renderer.plan().drawn[0][0].field, 0u);
+    EXPECT_EQ(renderer.plan().drawn[1][0].field, 2u);
     EXPECT_FALSE(builds_slices());
     settings.instances = {{2, near}};
     renderer.render(camera, settings);
@@ -239,13 +239,13 @@ TEST_F(FieldLevelsTest, LevelsStayWhereFewerSlicesGiveThemMemory) {
     render::FrameRenderer limited(device(), field, {kSide, kSide});
     settings.far_levels = false;
     limited.render(far, settings);
-    ASSERT_GT(limited.performer()->slices()->trees().slices, 1u);
+    ASSERT_GT(limited.slices().performer()->slices()->trees().slices, 1u);
     device().memory_pool().clear(device().handle());
     device().limit_memory(device().memory_pool().allocated());
     settings.far_levels = true;
     EXPECT_EQ(limited.render(far, settings).rgba, coarse.rgba);
     device().limit_memory(std::nullopt);
-    EXPECT_EQ(limited.drawn()[0][0].field, 2u);
+    EXPECT_EQ(limited.plan().drawn[0][0].field, 2u);
 }
 
 // A switch of levels then takes memory for a few passes alone, not for slices.
@@ -257,7 +257,7 @@ TEST_F(FieldLevelsTest, TheFirstImageMakesThePerformersOfAllLevels) {
     const uint64_t with = device().buffer_bytes();
     for (const double leaves : {2.2, 4.4, 8.8}) {
         image(camera_at(field, leaves * kLeafM), true);
-        EXPECT_GT(renderer.drawn()[0][0].field, 0u);
+        EXPECT_GT(renderer.plan().drawn[0][0].field, 0u);
     }
     EXPECT_LT(device().buffer_bytes() - with, (with - without) / 4);
 }
@@ -269,7 +269,7 @@ TEST_F(FieldLevelsTest, OtherFieldsComeAndGoWithTheirLevels) {
     renderer.change_fields({&other, &field});
     settings.instances[0].field = 1;
     EXPECT_EQ(image(far, true).rgba, alone.rgba);
-    EXPECT_EQ(renderer.drawn()[0][0].field, 2u + 3u + 1u) << "the second level of the second field";
+    EXPECT_EQ(renderer.plan().drawn[0][0].field, 2u + 3u + 1u) << "the second level of the second field";
     renderer.change_fields({&field});
     settings.instances[0].field = 0;
     EXPECT_EQ(image(far, true).rgba, alone.rgba);

@@ -1,6 +1,6 @@
 // Whole frames, by slice and by the direct path, against the reference: every pixel's light, alpha and depth.
-#include "render/frame/frame.h"
 #include "gpu/host_copies.h"
+#include "render/frame/frame_renderer.h"
 
 #include <gtest/gtest.h>
 
@@ -398,7 +398,7 @@ TEST_F(FrameTest, SlicesShownLastAreKeptWithinTheBudget) {
             cached.insert(cached.begin(), frame);
             cached.resize(std::min<size_t>(cached.size(), slices));
         }
-        EXPECT_EQ(renderer.performer()->slices()->trees().slices, slices);
+        EXPECT_EQ(renderer.slices().performer()->slices()->trees().slices, slices);
     }
 }
 

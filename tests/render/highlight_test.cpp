@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "reference/highlight.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "render/volume/shade.h"
 #include "support/gpu_test.h"
 #include "support/host_tree.h"

@@ -9,7 +9,7 @@
 
 #include "reference/camera.h"
 #include "reference/inspect.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"
@@ -61,7 +61,7 @@ Rays inspect_on_device(const gpu::Device& device, render::FrameRenderer& rendere
     Rays rays{renderer.radiance(), renderer.depth(), {}};
     const uint32_t across = (kWidth + kTile - 1) / kTile, down = (kHeight + kTile - 1) / kTile;
     std::vector<glm::uvec2> tiles(size_t{across} * down);
-    gpu::download(device, renderer.ranges().ranges, tiles.data(), tiles.size() * sizeof(glm::uvec2));
+    gpu::download(device, renderer.target().ranges.ranges, tiles.data(), tiles.size() * sizeof(glm::uvec2));
     for (uint32_t y = 0; y < kHeight; ++y)
         for (uint32_t x = 0; x < kWidth; ++x) rays.ranges.push_back(range_of(tiles[y / kTile * across + x / kTile]));
     return rays;

@@ -1,7 +1,7 @@
 // Where the device has no memory left, images are drawn with fewer slices, and look the same.
 #include <gtest/gtest.h>
 
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"
@@ -59,7 +59,7 @@ struct FewSlices : GpuTest {
     void draw_expected() {
         render::FrameRenderer plenty(device(), field, {kSide, kSide});
         expected = images(plenty);
-        const render::SliceTrees& trees = plenty.performer()->slices()->trees();
+        const render::SliceTrees& trees = plenty.slices().performer()->slices()->trees();
         ASSERT_EQ(trees.slices, field.frames);
         slices_bytes = trees.slices * render::slice_bytes(field, trees.capacity);
         EXPECT_NE(expected[0].rgba, expected[1].rgba) << "time is seen";
@@ -68,7 +68,7 @@ struct FewSlices : GpuTest {
         ASSERT_EQ(found.size(), expected.size());
         for (size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].rgba, expected[i].rgba) << i;
     }
-    uint32_t slices() const { return limited.performer()->slices()->trees().slices; }
+    uint32_t slices() const { return limited.slices().performer()->slices()->trees().slices; }
 };
 
 TEST_F(FewSlices, LookAsManyDo) {
@@ -77,7 +77,7 @@ TEST_F(FewSlices, LookAsManyDo) {
     expect_same(images(limited));
     EXPECT_LT(slices(), field.frames);
     EXPECT_GT(slices(), 1u) << "no fewer than must be";
-    EXPECT_LT(limited.slice_budget(), slices_bytes);
+    EXPECT_LT(limited.slices().budget(), slices_bytes);
 }
 
 TEST_F(FewSlices, AreKeptWhereMemoryGetsShortLater) {
@@ -99,7 +99,7 @@ TEST_F(FewSlices, GiveTheirMemoryToWhatElseNeedsIt) {
     EXPECT_THROW(make(), gpu::VulkanError);
     const gpu::Buffer made = render::with_memory_of_slices(limited, make);
     EXPECT_EQ(made.bytes, slices_bytes / 2);
-    EXPECT_EQ(limited.performer(), nullptr) << "all are gone";
+    EXPECT_EQ(limited.slices().performer(), nullptr) << "all are gone";
     expect_same(images(limited));
     EXPECT_LE(slices(), field.frames / 2);
     EXPECT_GE(slices(), 1u);
@@ -128,11 +128,11 @@ TEST_F(FewSlices, GrowWithinTheMemory) {
     field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     render::FrameRenderer plenty(device(), field, {kSide, kSide}), short_of(device(), field, {kSide, kSide});
     expected = images(plenty);
-    const render::SliceTrees& trees = plenty.performer()->slices()->trees();
+    const render::SliceTrees& trees = plenty.slices().performer()->slices()->trees();
     allow_more(trees.slices * render::slice_bytes(field, trees.capacity) * 3 / 4);
     expect_same(images(short_of));
-    EXPECT_LT(short_of.performer()->slices()->trees().slices, field.frames);
-    EXPECT_EQ(short_of.performer()->slices()->trees().capacity, trees.capacity);
+    EXPECT_LT(short_of.slices().performer()->slices()->trees().slices, field.frames);
+    EXPECT_EQ(short_of.slices().performer()->slices()->trees().capacity, trees.capacity);
 }
 
 }  // namespace

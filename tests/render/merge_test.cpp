@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "reference/merge.h"
 #include "reference/trace.h"
+#include "render/volume/draw_order.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"
@@ -96,9 +97,9 @@ TEST_F(MergeTest, InstancesThatStandInEachOtherAreOneMedium) {
         SCOPED_TRACE("slice budget " + std::to_string(budget));
         render::FrameRenderer renderer(device(), {&crowd.fields[0], &crowd.fields[1]}, {kWidth, kHeight, 1, 1, budget});
         renderer.render(crowd_camera(), settings_of(a_crowd(), render::Blend::kExact));
-        ASSERT_EQ(renderer.drawn().size(), 3u);
-        EXPECT_EQ(renderer.drawn()[0].size(), 1u);
-        EXPECT_EQ(renderer.drawn()[1].size(), 3u);
+        ASSERT_EQ(renderer.plan().drawn.size(), 3u);
+        EXPECT_EQ(renderer.plan().drawn[0].size(), 1u);
+        EXPECT_EQ(renderer.plan().drawn[1].size(), 3u);
         EXPECT_EQ(passes(renderer, "merge"), 1u);
         const Difference found = difference({renderer.radiance(), renderer.depth()}, truth);
         EXPECT_LE(found.steps, kHalfSteps);
@@ -172,8 +173,8 @@ TEST_F(MergeTest, AnInstanceBesideAGroupSeesRoomGrow) {
     settings.instances.push_back({1, placed({0, 0, -9}, 0.3f, glm::vec3(2))});
     render::FrameRenderer grows(device(), field, {kSide, kSide});
     grows.render(thicket_camera(), settings);
-    ASSERT_EQ(grows.drawn().size(), 2u);
-    EXPECT_EQ(grows.drawn()[1].size(), 1u);
+    ASSERT_EQ(grows.plan().drawn.size(), 2u);
+    EXPECT_EQ(grows.plan().drawn[1].size(), 1u);
     const std::vector<glm::vec4> grown = grows.radiance();
     grows.render(thicket_camera(), settings);
     EXPECT_EQ(grows.radiance(), grown);

@@ -268,7 +268,7 @@ TEST_F(PaintTest, RevivedLeavesFindRoom) {
         const Difference found = difference({renderer.radiance(), renderer.depth()}, truth);
         EXPECT_LE(found.steps, kHalfSteps);
         EXPECT_GT(found.alpha_mean, 0.1);
-        EXPECT_GT(renderer.performer()->slices()->trees().capacity, tree.leaf_count);
+        EXPECT_GT(renderer.slices().performer()->slices()->trees().capacity, tree.leaf_count);
         settings.instances[0].frame = 3.5f;
         renderer.render(camera, settings);
         EXPECT_EQ(renderer.radiance(), std::vector<glm::vec4>(size_t{kWidth} * kHeight)) << "past its last frame";

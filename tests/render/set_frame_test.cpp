@@ -7,7 +7,7 @@
 #include "reference/camera.h"
 #include "reference/lights.h"
 #include "reference/trace.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"
@@ -392,7 +392,7 @@ TEST_F(SetFrameTest, FarLevelsDoNotMoveShadowMaps) {
     };
     const auto [map, colours] = light_with(true);
     bool any_coarser = false, any_finest = false;
-    for (const auto& group : stage.frames.drawn())
+    for (const auto& group : stage.frames.plan().drawn)
         for (const render::DrawnInstance& one : group) (one.field > 0 ? any_coarser : any_finest) = true;
     EXPECT_TRUE(any_coarser && any_finest);
     const auto [map_without, colours_without] = light_with(false);

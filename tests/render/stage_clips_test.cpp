@@ -160,7 +160,7 @@ TEST_F(StageClipsTest, SegmentsTakeTheMemoryOfSlicesWhereThereIsNoOther) {
             // As many segments as are kept, so that no thread reads one while the memory that they take is counted.
             for (uint32_t number = render::kSegmentsOnDevice; number-- > 0;)
                 image_at(renderer, *stage, middle_of(number));
-            const uint64_t budget = renderer.frames().slice_budget();
+            const uint64_t budget = renderer.frames().slices().budget();
             device().memory_pool().clear(device().handle());
             device().limit_memory(
                 static_cast<uint64_t>(static_cast<int64_t>(device().memory_pool().allocated()) + more_bytes));
@@ -176,7 +176,7 @@ TEST_F(StageClipsTest, SegmentsTakeTheMemoryOfSlicesWhereThereIsNoOther) {
             EXPECT_EQ(renderer.take_problems(), std::vector<std::string>());
             device().limit_memory(std::nullopt);
             EXPECT_EQ(image_at(renderer, *stage, time_s).rgba, expected.rgba);
-            if (renderer.frames().slice_budget() < budget || HasFailure()) break;
+            if (renderer.frames().slices().budget() < budget || HasFailure()) break;
             ASSERT_GT(more_bytes, -50 * kStep);
         }
     }

@@ -6,7 +6,7 @@
 
 #include "base/trace_file.h"
 #include "render/clips/stage_clips.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "stream/served_stream.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "gpu/host_copies.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"

@@ -9,7 +9,7 @@
 
 #include "reference/camera.h"
 #include "reference/loss.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 
 namespace neuvv::test {
 

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "support/gpu_test.h"
 #include "support/random_tree.h"
 #include "tests/tools/run_neuvv.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "support/gpu_test.h"
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"

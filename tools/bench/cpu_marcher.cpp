@@ -223,9 +223,9 @@ uint64_t MarchCounts::bytes() const {
 
 void measure_host(const gpu::Device& device, const render::Field& field, const render::FrameRenderer& renderer,
                   const stage::Camera& camera, uint32_t repeats, HostTimes& host) {
-    const HostSlice slice = host_slice(device, field, *renderer.performer());
+    const HostSlice slice = host_slice(device, field, *renderer.slices().performer());
     const size_t tiles = size_t{(camera.width + kTile - 1) / kTile} * ((camera.height + kTile - 1) / kTile);
-    const HostTileRanges ranges = host_ranges(device, renderer.ranges(), tiles);
+    const HostTileRanges ranges = host_ranges(device, renderer.target().ranges, tiles);
     std::vector<glm::vec4> rays;
     for (uint32_t i = 0; i < repeats; ++i) {
         const auto start = std::chrono::steady_clock::now();

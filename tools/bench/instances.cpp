@@ -72,7 +72,7 @@ Drawn draw(const gpu::Device& device, const render::Field& field, const Instance
             add_image(drawn.passes, renderer.pass_times());
         }
         drawn.covered += covered_rays(renderer.radiance());
-        if (const render::SliceCache* slices = renderer.performer()->slices())
+        if (const render::SliceCache* slices = renderer.slices().performer()->slices())
             for (const render::Instance& instance : instances)
                 drawn.slices += slices->find({instance.frame, instance.paint}).has_value();
     }

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "stage/stage.h"
 #include "tools/commands.h"
 

@@ -54,7 +54,7 @@ media::Image image_of(const gpu::Device& device, const render::RayBatch& rays, u
 
 void measure_rival(const gpu::Device& device, const render::Field& field, const render::FrameRenderer& renderer,
                    const stage::Camera& camera, const media::Image& shaded, uint32_t repeats, RivalTimes& times) {
-    const render::Performer& performer = *renderer.performer();
+    const render::Performer& performer = *renderer.slices().performer();
     const render::RayBatch rays = rays_of(device, camera);
     const uint32_t pairs = count_pairs(device, field, performer, rays);
     const LeafRasterizer rasterizer(device, field, performer.slices()->trees(), *performer.passes().shaded(), rays,

@@ -11,7 +11,7 @@
 #include "media/image_sink.h"
 #include "motion/skeleton/skeleton_file.h"
 #include "motion/video/triangulate.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "render/volume/slices/field.h"
 #include "tools/commands.h"
 #include "tools/image_drawing.h"

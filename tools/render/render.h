@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "media/image_sink.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "stage/stage_settings.h"
 #include "tools/commands.h"
 #include "tools/render/render_part.h"

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "media/image_sink.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "render/frame/image_layers.h"
 
 namespace neuvv::tools {

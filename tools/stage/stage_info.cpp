@@ -12,7 +12,7 @@
 #include "gpu/device.h"
 #include "render/clips/clip_files.h"
 #include "render/clips/light_status.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "stage/camera_path_json.h"
 #include "stage/evaluated_stage.h"
 #include "tools/report.h"

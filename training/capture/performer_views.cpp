@@ -11,7 +11,7 @@
 #include "base/output_path.h"
 #include "base/threads/workers.h"
 #include "media/image.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "render/volume/slices/field.h"
 #include "training/capture/capture_files.h"
 #include "voctree/files/occupied_box.h"

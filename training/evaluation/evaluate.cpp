@@ -7,7 +7,7 @@
 #include <set>
 
 #include "render/clips/shown_segments.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "training/data/layouts/rig/camera_names.h"
 #include "voctree/files/clip.h"
 

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "training/evaluation/evaluate.h"
 #include "training/rig/pose_solver.h"
 #include "voctree/files/clip.h"

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "training/evaluation/evaluate.h"
 
 namespace neuvv::training {

@@ -89,7 +89,7 @@ EyePass::EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth)
 void EyePass::bind(const render::StageRenderer& renderer, const gpu::Buffer& images) {
     const std::array<VkBuffer, 2> to{images.buffer, renderer.set().targets().depth.buffer};
     if (to == bound_to_) return;
-    const render::RayBatch& rays = renderer.frames().rays();
+    const render::RayBatch& rays = renderer.frames().target().rays;
     bound_ = gpu::TextureSet(image_, {},
                              {{kEyeImage, &images},
                               {kEyeRadiance, &rays.radiance},
@@ -142,7 +142,7 @@ void EyePass::record(gpu::Commands& commands, const render::StageRenderer& rende
     vkCmdSetScissor(commands.handle(), 0, 1, &info.renderArea);
     vkCmdSetCullMode(commands.handle(), VK_CULL_MODE_NONE);
     vkCmdSetFrontFace(commands.handle(), VK_FRONT_FACE_COUNTER_CLOCKWISE);
-    draw_image(commands, renderer.frames().layout(), shade);
+    draw_image(commands, renderer.frames().plan().layout, shade);
     draw_shapes(commands, cameras, shapes);
     vkCmdEndRendering(commands.handle());
 }

@@ -238,10 +238,10 @@ void StageRenderer::bring_to_device(const stage::EvaluatedStage& evaluated, Miss
     update_fields();
     if (const std::string problem = clips_.take_lack_of_memory(); !problem.empty()) {
         // Where slices have gone since the last time, or there are some to drop, the thread tries again.
-        const bool have_gone = frames_->slice_budget() < lack_budget_;
-        if (!have_gone && (frames_->slice_budget() <= 1 || !frames_->drop_slices()))
+        const bool have_gone = frames_->slices().budget() < lack_budget_;
+        if (!have_gone && (frames_->slices().budget() <= 1 || !frames_->drop_slices()))
             clips_.tell_lack_of_memory(problem);
-        lack_budget_ = frames_->slice_budget();
+        lack_budget_ = frames_->slices().budget();
     }
     if (missing == MissingSegments::kWait) {
         try {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "render/clips/stage_clips.h"
-#include "render/frame/frame.h"
+#include "render/frame/frame_renderer.h"
 #include "render/frame/image_layers.h"
 #include "render/rays/linear_image.h"
 

@@ -36,7 +36,7 @@ std::vector<T> first_of(const gpu::Device& device, const gpu::Buffer& buffer, si
 // Buffers with a number per ray.
 
 PassValues of_rays(const FrameRenderer& renderer, std::vector<float> values) {
-    return {renderer.layout().rays_across(), renderer.layout().rays_down(), std::move(values)};
+    return {renderer.plan().layout.rays_across(), renderer.plan().layout.rays_down(), std::move(values)};
 }
 
 PassValues read_radiance(const FrameRenderer& renderer) {
@@ -60,7 +60,7 @@ PassValues read_depth(const FrameRenderer& renderer) {
 // Buffers with a number per tile of 8×8 rays.
 
 PassValues of_tiles(const FrameRenderer& renderer) {
-    const uint32_t width = renderer.layout().tiles_across(), height = renderer.layout().tiles_down();
+    const uint32_t width = renderer.plan().layout.tiles_across(), height = renderer.plan().layout.tiles_down();
     return {width, height, std::vector<float>(size_t{width} * height, kNothing)};
 }
 
@@ -69,8 +69,8 @@ enum class Bound { kNear, kFar };
 template <Bound bound>
 PassValues read_tile_range(const FrameRenderer& renderer) {
     PassValues tiles = of_tiles(renderer);
-    if (renderer.drawn().empty()) return tiles;
-    const auto ranges = first_of<glm::uvec2>(renderer.device(), renderer.ranges().ranges, tiles.values.size());
+    if (renderer.plan().drawn.empty()) return tiles;
+    const auto ranges = first_of<glm::uvec2>(renderer.device(), renderer.target().ranges.ranges, tiles.values.size());
     for (size_t tile = 0; tile < ranges.size(); ++tile)
         if (ranges[tile].x != kNoTile)
             tiles.values[tile] = std::bit_cast<float>(bound == Bound::kNear ? ranges[tile].x : ~ranges[tile].y);
@@ -79,8 +79,9 @@ PassValues read_tile_range(const FrameRenderer& renderer) {
 
 PassValues read_tile_list(const FrameRenderer& renderer) {
     PassValues tiles = of_tiles(renderer);
-    if (renderer.drawn().empty()) return tiles;
-    const auto list = first_of<uint32_t>(renderer.device(), renderer.ranges().list, renderer.layout().ray_tiles());
+    if (renderer.plan().drawn.empty()) return tiles;
+    const auto list =
+        first_of<uint32_t>(renderer.device(), renderer.target().ranges.list, renderer.plan().layout.ray_tiles());
     for (size_t i = 0; i < list.size(); ++i)
         if (list[i] < tiles.values.size()) tiles.values[list[i]] = static_cast<float>(i);
     return tiles;
@@ -88,7 +89,7 @@ PassValues read_tile_list(const FrameRenderer& renderer) {
 
 PassValues read_covered_tiles(const FrameRenderer& renderer) {
     PassValues tiles = of_tiles(renderer);
-    const auto covered = first_of<uint32_t>(renderer.device(), renderer.ranges().covered, tiles.values.size());
+    const auto covered = first_of<uint32_t>(renderer.device(), renderer.target().ranges.covered, tiles.values.size());
     std::transform(covered.begin(), covered.end(), tiles.values.begin(),
                    [](uint32_t any) { return any ? 1.0f : 0.0f; });
     return tiles;
@@ -97,7 +98,7 @@ PassValues read_covered_tiles(const FrameRenderer& renderer) {
 // Buffers with a number per texel of the set's image.
 
 PassValues of_texels(const FrameRenderer& renderer) {
-    const ViewLayout& layout = renderer.layout();
+    const ViewLayout& layout = renderer.plan().layout;
     const uint32_t width = layout.samples * layout.width, height = layout.samples * layout.height;
     return {width, height, std::vector<float>(size_t{width} * height, kNothing)};
 }

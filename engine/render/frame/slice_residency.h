@@ -41,8 +41,8 @@ class SliceResidency {
     uint64_t budget() const { return budget_; }
     // By field of levels().all; empty before the first image. Null for far levels that have none.
     std::span<const std::unique_ptr<Performer>> performers() const { return performers_; }
-    // Null before the first image.
-    const Performer* performer(uint32_t field) const {
+    // That of a field, without its far levels; null before the first image.
+    const Performer* performer(uint32_t field = 0) const {
         return field < performers_.size() ? performers_[field].get() : nullptr;
     }
 

@@ -1,31 +1,25 @@
-// A whole frame: start reading here and in frame.cpp.
+// Frame renderer: draws frames. What a frame is made of is in frame_recorder.cpp.
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <functional>
-#include <memory>
-#include <optional>
+#include <span>
+#include <vector>
 
 #include "media/image.h"
+#include "render/frame/frame_intervals.h"
+#include "render/frame/frame_plan.h"
 #include "render/frame/frame_queue.h"
+#include "render/frame/frame_recorder.h"
 #include "render/frame/frame_settings.h"
 #include "render/frame/slice_picks.h"
 #include "render/frame/slice_residency.h"
-#include "render/rays/clear_rays.h"
-#include "render/rays/image_list.h"
-#include "render/rays/ray_intervals.h"
-#include "render/volume/draw_order.h"
-#include "render/volume/inspect.h"
-#include "render/volume/intervals.h"
-#include "render/volume/performer_shadows.h"
-#include "render/volume/volume_depth.h"
 
 namespace neuvv::render {
 
-// Everything that a frame needs on the device, created once. Where an image needs more memory than the device has left,
-// slices are dropped, and from then on fewer are kept; then far levels. Where even that is not enough, what draws the
-// image throws VulkanError, and later images may be drawn again.
+// Everything that a frame needs on the device, created once. It ties its parts together in that it waits for the device
+// before slices, intervals or what is planned for a frame are replaced, and draws again what had no room. Where an
+// image needs more memory than the device has left, slices are dropped, and from then on fewer are kept; then far
+// levels. Where even that is not enough, what draws the image throws VulkanError, and later images may be drawn again.
 class FrameRenderer {
   public:
     // `set` is drawn with the performers. It must have at least samples · width × samples · height texels and as many
@@ -84,100 +78,51 @@ class FrameRenderer {
     // from then on, slices may take half as much memory as before, or that of one slice of each field. Returns whether
     // there were any.
     bool drop_slices();
-    // The bytes that slices may take now; 1: one slice of each field.
-    uint64_t slice_budget() const { return slices_.budget(); }
 
-    // The rays of a view of the last image, in rows of layout().rays_across(): premultiplied linear RGB and alpha;
+    // The rays of a view of the last image, in rows of plan().layout.rays_across(): premultiplied linear RGB and alpha;
     // depth along the ray in metres. After an inspection they hold what shared/inspect.h says.
     std::vector<glm::vec4> radiance(uint32_t view = 0) const;
     std::vector<float> depth(uint32_t view = 0) const;
 
-    // Traces the rays of the last image once more, which must have had one view without upscaling and must be finished,
-    // and calls `take` with the intervals of each ray that has any, tile by tile. `ray` is its place in the rows of
-    // radiance(). Afterwards radiance() and depth() hold nothing, and the times are those of this work. Throws as
-    // draw() does.
-    using TakeIntervals = std::function<void(glm::uvec2 ray, std::span<const RayInterval> intervals)>;
+    // read_frame_intervals() of the last image. Afterwards radiance() and depth() hold nothing, and the times are those
+    // of this work. Throws as draw() does.
     void read_intervals(const TakeIntervals& take);
 
-    // What the last image left on the device, of a field that was given, without its coarser levels. Null before the
-    // first image.
-    const Performer* performer(uint32_t field = 0) const { return slices_.performer(field); }
-    // The number of live leaves and of live nodes above them, in all slices that the last image used. Instances of a
-    // field at the same time share a slice.
+    // What the last image left of each field on the device.
+    const SliceResidency& slices() const { return slices_; }
+    // The number of live leaves and of live nodes above them, in all slices that the last image used.
     uint64_t live_entries() const { return slices_.live_entries(queue_.slot()); }
-    const TileRanges& ranges() const { return target_.ranges; }
-    const SetRaster* set() const { return set_; }  // null where there is none
+    // What the last image drew.
+    const FramePlan& plan() const { return plan_; }
+    // What its rays were traced into.
+    const RayTarget& target() const { return recorder_.target(); }
+    const SetRaster* set() const { return recorder_.set(); }  // null where there is none
     const gpu::Device& device() const { return device_; }
-    const RayBatch& rays() const { return target_.rays; }
-    // The layout of the rays and of the pixels of the last image in their buffers.
-    const ViewLayout& layout() const { return layout_; }
-    // The visible instances of the last image in draw order, in groups that were merged (draw_order.h).
-    std::span<const std::vector<DrawnInstance>> drawn() const { return drawn_; }
 
     // Of the last image, with no other under way: GPU time of each pass.
     std::vector<gpu::PassTime> pass_times() const { return queue_.commands().pass_times(); }
-    // Of the last image that somebody has waited for: time from its submission until then (Commands::milliseconds); the
-    // device's time, which on software devices is the former.
+    // Of the last image that somebody has waited for (FrameQueue).
     double milliseconds() const { return queue_.milliseconds(); }
     double device_milliseconds() const { return queue_.device_milliseconds(); }
 
   private:
-    // Record the frame, pass by pass (frame.cpp), and the copy of its images to the host.
-    void record_frame(const FrameSettings& settings);
-    void record_readback();
-    void record_playing(const FrameSettings& settings);
-    void record_inspected(const FrameSettings& settings);
-    void record_blank(const FrameSettings& settings);
-    void record_rays(const FrameSettings& settings);
-    void record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings);
-    void record_intervals(std::span<const DrawnInstance> instances, const TileSpan& tiles, const gpu::Buffer& heads);
-    void take_band(std::span<const DrawnInstance> instances, const TileSpan& tiles, const gpu::Buffer& heads,
-                   const TakeIntervals& take) const;
-    Intervals& intervals();
     enum class Destination { kDevice, kHost };
     void draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings,
                  const Then& then);
-    FrameSettings begin(std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    FrameSettings begin_with_memory_left(std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    void drop_slices_or_rethrow(const gpu::VulkanError& error);
-    std::vector<PerformerTarget> performer_targets() const;
-    SliceRequests slice_requests(std::span<const Instance> next) const;
     void submit_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings,
                    const Then& then);
-    void check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
-    void make_grids(const FrameSettings& settings, uint32_t views);
-    TargetViews views_of(std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    void write_rays(std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    void write_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    std::vector<std::vector<uint32_t>> instance_order(std::span<const stage::Camera> cameras,
-                                                      const FrameSettings& settings) const;
-    void prepare(const FrameSettings& settings);
+    FrameSettings begin(std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    FrameSettings begin_with_memory_left(std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    void aim(std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    void drop_slices_or_rethrow(const gpu::VulkanError& error);
     bool overflowed(uint32_t slot) const;
     void enlarge();
-    gpu::Commands& commands() { return queue_.commands(); }
     bool finish(uint32_t slot);
     void wait_for_device();
     const gpu::Device& device_;
-    FrameCapacity capacity_;
-    SetRaster* set_;
-    RayTarget target_;
-    gpu::Buffer image_, readback_;
-    // What image_ was drawn for, outside the tiles that target_.ranges.image_shown marks; nothing: it is to be drawn
-    // anew.
-    std::optional<std::pair<ViewLayout, ResolveSettings>> blank_key_;
-    RayClearer clearer_;
+    FrameRecorder recorder_;
     SliceResidency slices_;
-    std::unique_ptr<Intervals> intervals_;
-    ImageLister lister_;
-    Resolver resolver_, listed_resolver_;        // of all tiles; of the listed tiles
-    std::unique_ptr<Resolver> upscaler_;         // created when first needed
-    std::unique_ptr<Inspector> inspector_;       // likewise
-    std::unique_ptr<PerformerShadows> shadows_;  // where there is a set
-    std::unique_ptr<VolumeDepth> volume_depth_;
-    std::vector<stage::Camera> set_cameras_;
-    ViewLayout layout_;                              // of the last image
-    std::vector<RayGrid> grids_;                     // of its views, where it is upscaled
-    std::vector<std::vector<DrawnInstance>> drawn_;  // of the last image: the visible ones, near to far
+    FramePlan plan_;  // of the last image
     SlicePicks picks_;
     FrameQueue queue_;  // last, as its destructor waits for what reads the others
 };
