@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "media/psnr.h"
 #include "render/frame/frame_renderer.h"
 #include "render/rays/linear_image.h"
 #include "tools/commands.h"
