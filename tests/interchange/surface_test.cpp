@@ -17,13 +17,13 @@ using interchange::LeafGrid;
 using interchange::TriangleMesh;
 
 constexpr float kOpaque = 1e5f;  // 1/m
-const glm::vec3 kCentre(0.5f);
+const glm::vec3 kCentreOfBall(0.5f);
 
 TriangleMesh surface_of(const FrameVolume& volume, double opacity = 0.5) {
     return interchange::surface_of(interchange::solid_of(LeafGrid(volume), opacity));
 }
 
-std::function<bool(glm::vec3)> ball(float radius, const glm::vec3& centre = kCentre) {
+std::function<bool(glm::vec3)> ball(float radius, const glm::vec3& centre = kCentreOfBall) {
     return [=](const glm::vec3& p) { return glm::distance(p, centre) < radius; };
 }
 
@@ -40,8 +40,8 @@ TEST(Surface, OfABallIsABall) {
     EXPECT_NEAR(std::cbrt(enclosed_m3(mesh) * 32768 / static_cast<double>(volume.leaves.size())), 1, 0.01);
     const std::vector<glm::vec3> normals = interchange::normals_of(mesh);
     for (size_t i = 0; i < normals.size(); ++i) {
-        EXPECT_NEAR(glm::distance(mesh.positions[i], kCentre), 0.3f, 1.0f / 32);
-        EXPECT_GT(glm::dot(normals[i], glm::normalize(mesh.positions[i] - kCentre)), 0.8f);
+        EXPECT_NEAR(glm::distance(mesh.positions[i], kCentreOfBall), 0.3f, 1.0f / 32);
+        EXPECT_GT(glm::dot(normals[i], glm::normalize(mesh.positions[i] - kCentreOfBall)), 0.8f);
     }
 }
 
@@ -90,14 +90,14 @@ TEST(Surface, IsWhereARayGetsTheOpacity) {
 // Through a hole in a hollow ball one sees its inside along a single line; loose leaves float there.
 TEST(Surface, LeavesOutWhatIsHidden) {
     const FrameVolume volume = volume_of(5, kOpaque, [](const glm::vec3& p) {
-        const float radius = glm::distance(p, kCentre);
+        const float radius = glm::distance(p, kCentreOfBall);
         const bool hole = p.x > 0.5f && std::abs(p.y - 0.484375f) < 0.01f && std::abs(p.z - 0.484375f) < 0.01f;
         return radius < 0.1f || (radius > 0.32f && radius < 0.4f && !hole);
     });
     const TriangleMesh mesh = surface_of(volume);
     EXPECT_EQ(expect_closed(mesh), 2);
     EXPECT_NEAR(enclosed_m3(mesh) / ball_m3(0.4), 1, 0.02);
-    for (const glm::vec3& p : mesh.positions) EXPECT_GT(glm::distance(p, kCentre), 0.33f) << "the hole is closed";
+    for (const glm::vec3& p : mesh.positions) EXPECT_GT(glm::distance(p, kCentreOfBall), 0.33f) << "the hole is closed";
 }
 
 // Three thin holes that cross in the centre, which is seen through all of them.
@@ -132,8 +132,8 @@ TEST(LeafGrid, MergesLeavesWhereItWouldBeTooLarge) {
     const LeafGrid grid(volume, 5000);
     EXPECT_EQ(grid.volume().depth, 4u);
     EXPECT_FLOAT_EQ(grid.cell_m().x, 1.0f / 16);
-    ASSERT_NE(grid.leaf_at(kCentre), nullptr);
-    EXPECT_FLOAT_EQ(grid.leaf_at(kCentre)->sigma, 100);
+    ASSERT_NE(grid.leaf_at(kCentreOfBall), nullptr);
+    EXPECT_FLOAT_EQ(grid.leaf_at(kCentreOfBall)->sigma, 100);
     EXPECT_EQ(grid.leaf_at({0.1f, 0.5f, 0.5f}), nullptr);
     EXPECT_EQ(grid.leaf_at({9, 9, 9}), nullptr);
 }

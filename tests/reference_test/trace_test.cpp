@@ -56,9 +56,9 @@ Ray random_ray(Random& random, const voctree::VOctree& tree) {
     return ray;
 }
 
-void expect_ordered_and_disjoint(const std::vector<Segment>& segments, double t_min) {
+void expect_ordered_and_disjoint(const std::vector<LeafInterval>& intervals, double t_min) {
     double end = t_min;
-    for (const Segment& s : segments) {
+    for (const LeafInterval& s : intervals) {
         EXPECT_GE(s.t_enter, end);
         EXPECT_GT(s.t_exit, s.t_enter);
         end = s.t_exit;
@@ -66,8 +66,9 @@ void expect_ordered_and_disjoint(const std::vector<Segment>& segments, double t_
 }
 
 // Compares with a search over all leaves at closely spaced points. Points that lie within rounding errors of a
-// segment's end are ignored.
-void expect_same_as_point_search(const TreeAndPlaces& small, const Ray& ray, const std::vector<Segment>& segments) {
+// interval's end are ignored.
+void expect_same_as_point_search(const TreeAndPlaces& small, const Ray& ray,
+                                 const std::vector<LeafInterval>& intervals) {
     constexpr int kSteps = 3000;
     constexpr double kEnd = 9;  // metres: beyond every box from every origin
     const double step = (kEnd - ray.t_min) / kSteps;
@@ -77,16 +78,16 @@ void expect_same_as_point_search(const TreeAndPlaces& small, const Ray& ray, con
         const double t = ray.t_min + (i + 0.5) * step;
         const uint32_t expected = leaf_at(small.positions, tree_of(small.tree, ray.origin + t * ray.direction));
         if (expected != UINT32_MAX) length_by_points[expected] += step;
-        while (next < segments.size() && segments[next].t_exit <= t) ++next;
-        const bool inside = next < segments.size() && segments[next].t_enter <= t;
-        const bool near_end = (next < segments.size() && std::abs(segments[next].t_enter - t) < 1e-9) ||
-                              (next > 0 && std::abs(segments[next - 1].t_exit - t) < 1e-9) ||
-                              (inside && std::abs(segments[next].t_exit - t) < 1e-9);
+        while (next < intervals.size() && intervals[next].t_exit <= t) ++next;
+        const bool inside = next < intervals.size() && intervals[next].t_enter <= t;
+        const bool near_end = (next < intervals.size() && std::abs(intervals[next].t_enter - t) < 1e-9) ||
+                              (next > 0 && std::abs(intervals[next - 1].t_exit - t) < 1e-9) ||
+                              (inside && std::abs(intervals[next].t_exit - t) < 1e-9);
         if (!near_end) {
-            EXPECT_EQ(inside ? segments[next].leaf : UINT32_MAX, expected) << "t = " << t;
+            EXPECT_EQ(inside ? intervals[next].leaf : UINT32_MAX, expected) << "t = " << t;
         }
     }
-    for (const Segment& s : segments) {
+    for (const LeafInterval& s : intervals) {
         EXPECT_EQ(length_by_segments.count(s.leaf), 0u) << "a convex leaf met twice";
         length_by_segments[s.leaf] = s.t_exit - s.t_enter;
     }
@@ -101,10 +102,10 @@ TEST(Trace, SegmentsEqualAPointSearchOverAllLeaves) {
         const TreeAndPlaces small = tree_and_places(random.engine(), 1 + random.below(3));
         for (int j = 0; j < 6; ++j) {
             const Ray ray = random_ray(random, small.tree);
-            const std::vector<Segment> segments = intersect(small.tree, ray);
-            expect_ordered_and_disjoint(segments, ray.t_min);
-            expect_same_as_point_search(small, ray, segments);
-            found += segments.size();
+            const std::vector<LeafInterval> intervals = intersect(small.tree, ray);
+            expect_ordered_and_disjoint(intervals, ray.t_min);
+            expect_same_as_point_search(small, ray, intervals);
+            found += intervals.size();
         }
     }
     EXPECT_GT(found, 300u);  // the test is not vacuous
@@ -125,10 +126,10 @@ TEST(Trace, AxisParallelRaysOnCellBordersStayInOneColumn) {
                 ray.origin[axis] = -3 * sign;
                 ray.direction = glm::dvec3(0);
                 ray.direction[axis] = sign;
-                const std::vector<Segment> segments = intersect(small.tree, ray);
-                found += segments.size();
-                expect_ordered_and_disjoint(segments, 0);
-                expect_same_as_point_search(small, ray, segments);
+                const std::vector<LeafInterval> intervals = intersect(small.tree, ray);
+                found += intervals.size();
+                expect_ordered_and_disjoint(intervals, 0);
+                expect_same_as_point_search(small, ray, intervals);
             }
         }
     }
@@ -144,9 +145,9 @@ TEST(Trace, AFullBoxIsCrossedWithoutGaps) {
     size_t borders = 0;
     for (int i = 0; i < 200; ++i) {
         const Ray ray = random_ray(random, small.tree);
-        const std::vector<Segment> segments = intersect(small.tree, ray);
-        borders += segments.empty() ? 0 : segments.size() - 1;
-        for (size_t j = 1; j < segments.size(); ++j) EXPECT_EQ(segments[j].t_enter, segments[j - 1].t_exit);
+        const std::vector<LeafInterval> intervals = intersect(small.tree, ray);
+        borders += intervals.empty() ? 0 : intervals.size() - 1;
+        for (size_t j = 1; j < intervals.size(); ++j) EXPECT_EQ(intervals[j].t_enter, intervals[j - 1].t_exit);
     }
     EXPECT_GT(borders, 100u);
 }

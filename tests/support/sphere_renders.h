@@ -1,6 +1,7 @@
 // Renders of a model that was trained on a sphere's capture, by cameras that the capture does not have.
 #pragma once
 
+#include "media/psnr.h"
 #include "render/frame/frame_renderer.h"
 #include "support/sphere_capture.h"
 #include "voctree/files/nvv.h"

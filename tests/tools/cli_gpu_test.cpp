@@ -263,7 +263,7 @@ TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
     EXPECT_EQ(coarse["bytes_before"], std::filesystem::file_size(scene));
     EXPECT_EQ(coarse["bytes"], std::filesystem::file_size(file("small.nvv")));
     EXPECT_EQ(voctree::read_nvv(file("small.nvv")).leaf_count, coarse["leaves"]);
-    EXPECT_EQ(voctree::summarise_nvv(file("small.nvv")).head.frames, tree.frames);
+    EXPECT_EQ(voctree::summarise_nvv(file("small.nvv")).header.frames, tree.frames);
 
     std::filesystem::remove(file("small.nvv"));
     const ProgramResult beyond =
