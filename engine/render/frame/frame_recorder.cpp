@@ -17,9 +17,14 @@ ViewLayout largest(const FrameCapacity& capacity) {
     return {capacity.width, capacity.height, capacity.samples, capacity.views};
 }
 
+const SetTargets* targets_of(const SetRaster* set) {
+    return set ? &set->targets() : nullptr;
+}
+
 SetBuffers set_buffers_of(const SetRaster* set) {
     if (!set) return {};
-    return {&set->depth, &set->lights_buffer, &set->set_shadow_maps, &set->performer_shadows};
+    const SetLighting& lighting = set->lighting;
+    return {&set->targets().depth, &lighting.lights_buffer, &lighting.set_shadow_maps, &lighting.performer_shadows};
 }
 
 }  // namespace
@@ -35,12 +40,12 @@ FrameRecorder::FrameRecorder(const gpu::Device& device, const FrameCapacity& cap
       readback_(device, "image readback", largest(capacity).image_bytes(), gpu::MemoryKind::kReadback),
       clearer_(device, target_),
       lister_(device, target_.rays, target_.ranges),
-      resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, nullptr, set),
+      resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, nullptr, targets_of(set)),
       listed_resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, &target_.ranges) {
     if (!set) return;
-    assert(set->views() >= capacity.views);
-    shadows_ = std::make_unique<PerformerShadows>(device, *set, kMaxInstances);
-    volume_depth_ = std::make_unique<VolumeDepth>(device, target_.rays, *set);
+    assert(set->targets().views() >= capacity.views);
+    shadows_ = std::make_unique<PerformerShadows>(device, set->lighting, kMaxInstances);
+    volume_depth_ = std::make_unique<VolumeDepth>(device, target_.rays, set->targets());
 }
 
 void FrameRecorder::expect_room(const ViewLayout& layout) const {
@@ -48,10 +53,11 @@ void FrameRecorder::expect_room(const ViewLayout& layout) const {
         layout.image_tiles() > target_.ranges.image_tile_capacity || layout.image_bytes() > readback_.bytes)
         throw RuntimeFailure(fmt::format("{} images of {}x{} are more than their renderer was made for", layout.views,
                                          layout.width, layout.height));
-    if (set_ && (layout.samples * layout.width > set_->width() || layout.samples * layout.height > set_->height()))
+    if (set_ && (layout.samples * layout.width > set_->targets().width ||
+                 layout.samples * layout.height > set_->targets().height))
         throw RuntimeFailure(fmt::format("{}x{} pixels of {} rays are more than the set's {}x{} texels", layout.width,
-                                         layout.height, layout.samples * layout.samples, set_->width(),
-                                         set_->height()));
+                                         layout.height, layout.samples * layout.samples, set_->targets().width,
+                                         set_->targets().height));
 }
 
 std::vector<PerformerTarget> FrameRecorder::performer_targets() const {
@@ -63,7 +69,7 @@ std::vector<PerformerTarget> FrameRecorder::performer_targets() const {
 void FrameRecorder::make_upscaler() {
     if (!upscaler_)
         upscaler_ = std::make_unique<Resolver>(device_, RaysPerPixel::kFewer, target_.rays, image_,
-                                               set_ ? nullptr : &target_.ranges, set_);
+                                               set_ ? nullptr : &target_.ranges, targets_of(set_));
 }
 
 std::span<const DrawnInstance> FrameRecorder::plan_shadows(const FieldLevels& levels,
@@ -136,7 +142,7 @@ void FrameRecorder::record_playing(const FrameParts& frame) {
     for (const auto& performer : performers)
         if (performer) record_slices(commands, *performer);
     if (set_) {
-        set_->record_lights(commands);
+        set_->lighting.record_lights(commands);
         // SliceTrees → the shadows' own ranges and rays → SetRaster performer_shadows
         record_performer_shadows(commands, *shadows_, performers, kLightTarget);
         // SetRaster vertices, materials, lights_buffer → set_shadow_maps

@@ -10,6 +10,7 @@
 #include "render/frame/frame_plan.h"
 #include "render/rays/clear_rays.h"
 #include "render/rays/image_list.h"
+#include "render/set/set_raster.h"
 #include "render/volume/inspect.h"
 #include "render/volume/intervals.h"
 #include "render/volume/performer_shadows.h"
