@@ -20,7 +20,7 @@ TEST_F(StageRendererTest, ResizedIsAsMadeOfThatSize) {
     Draft draft;
     Live live{device(), draft};
     live.image();
-    const render::Performer* performer = live.renderer.frames().performer();
+    const render::Performer* performer = live.renderer.frames().slices().performer();
     for (const glm::uvec2 size : {glm::uvec2(90, 40), glm::uvec2(30, 70), glm::uvec2(20, 20), glm::uvec2(90, 70)}) {
         SCOPED_TRACE(std::to_string(size.x) + "x" + std::to_string(size.y));
         live.renderer.resize(size.x, size.y);
@@ -29,7 +29,7 @@ TEST_F(StageRendererTest, ResizedIsAsMadeOfThatSize) {
         const media::Image image = live.image();
         EXPECT_EQ(image.width, size.x);
         EXPECT_EQ(image.rgba, drawn(fresh, *live.stage).rgba);
-        EXPECT_EQ(live.renderer.frames().performer(), performer) << "with its slices";
+        EXPECT_EQ(live.renderer.frames().slices().performer(), performer) << "with its slices";
     }
     draft.node("anna")["translation"] = {-0.6, 0.2, 0.1};
     live.change();
@@ -151,9 +151,9 @@ TEST_F(StageRendererTest, BlocksOfMoreSamplesMakeTheWholeImage) {
         EXPECT_GT(unlike_pixels(put_together(1), whole), kWide * kHigh / 50) << "so many samples do show";
         EXPECT_LE(unlike_pixels(put_together(2), whole), kWide * kHigh / 1000);
     }
-    ASSERT_FALSE(coarse.frames().drawn().empty());
-    EXPECT_EQ(fine.frames().drawn()[0][0].shading, render::Shading::kPerLeaf);
-    EXPECT_EQ(coarse.frames().drawn()[0][0].shading, render::Shading::kPerRay);
+    ASSERT_FALSE(coarse.frames().plan().drawn.empty());
+    EXPECT_EQ(fine.frames().plan().drawn[0][0].shading, render::Shading::kPerLeaf);
+    EXPECT_EQ(coarse.frames().plan().drawn[0][0].shading, render::Shading::kPerRay);
     settings.width = settings.height = 2 * kHigh;
     EXPECT_THROW(coarse.frames().render(camera_of_size(2 * kHigh, 2 * kHigh), settings), RuntimeFailure);
 }
