@@ -1,5 +1,5 @@
 // What the viewer exports: the sound of its videos.
-#include "tools/viewer/export.h"
+#include "tools/viewer/verbs/export.h"
 
 #include <atomic>
 #include <chrono>

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "support/temporary_folder.h"
-#include "tools/viewer/verb_task.h"
+#include "tools/viewer/verbs/verb_task.h"
 
 namespace neuvv::viewer {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "tools/viewer/context.h"
-#include "tools/viewer/export.h"
+#include "tools/viewer/verbs/export.h"
 
 namespace neuvv::viewer {
 

@@ -5,7 +5,7 @@
 #include "tools/viewer/context.h"
 #include "tools/viewer/frame_meter.h"
 #include "tools/viewer/tools/paint_tool.h"
-#include "tools/viewer/verb_task.h"
+#include "tools/viewer/verbs/verb_task.h"
 
 namespace neuvv::viewer {
 

@@ -6,7 +6,7 @@
 #include "tools/viewer/exporter.h"
 #include "tools/viewer/files.h"
 #include "tools/viewer/panels/all_panels.h"
-#include "tools/viewer/verb_task.h"
+#include "tools/viewer/verbs/verb_task.h"
 
 namespace neuvv::viewer {
 

@@ -11,7 +11,7 @@
 #include "tools/viewer/frame_meter.h"
 #include "tools/viewer/panels/stage_tree.h"
 #include "tools/viewer/tools/paint_tool.h"
-#include "tools/viewer/verb_task.h"
+#include "tools/viewer/verbs/verb_task.h"
 
 namespace neuvv::viewer {
 

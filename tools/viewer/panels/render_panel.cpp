@@ -12,9 +12,9 @@
 #include "media/colour.h"
 #include "media/image_sink.h"
 #include "tools/ui/icons.h"
-#include "tools/viewer/export.h"
 #include "tools/viewer/panels/fields.h"
 #include "tools/viewer/panels/panels.h"
+#include "tools/viewer/verbs/export.h"
 
 namespace neuvv::viewer {
 

@@ -12,7 +12,7 @@
 #include "tools/viewer/panels/fields.h"
 #include "tools/viewer/panels/panels.h"
 #include "tools/viewer/panels/property_fields.h"
-#include "tools/viewer/verb_task.h"
+#include "tools/viewer/verbs/verb_task.h"
 #include "voctree/files/clip.h"
 
 namespace neuvv::viewer {

@@ -1,4 +1,4 @@
-#include "tools/viewer/export_sound.h"
+#include "tools/viewer/verbs/export_sound.h"
 
 #include <chrono>
 

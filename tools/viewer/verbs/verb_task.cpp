@@ -1,4 +1,4 @@
-#include "tools/viewer/verb_task.h"
+#include "tools/viewer/verbs/verb_task.h"
 
 namespace neuvv::viewer {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/child_program.h"
-#include "tools/viewer/verb_form.h"
+#include "tools/viewer/verbs/verb_form.h"
 
 namespace neuvv::viewer {
 

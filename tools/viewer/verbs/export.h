@@ -12,7 +12,7 @@
 
 #include "editor/draw/render_thread.h"
 #include "media/image_sink.h"
-#include "tools/viewer/export_sound.h"
+#include "tools/viewer/verbs/export_sound.h"
 
 namespace neuvv::viewer {
 

@@ -1,4 +1,4 @@
-#include "tools/viewer/verb_form.h"
+#include "tools/viewer/verbs/verb_form.h"
 
 #include <algorithm>
 #include <cmath>

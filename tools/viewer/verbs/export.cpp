@@ -1,4 +1,4 @@
-#include "tools/viewer/export.h"
+#include "tools/viewer/verbs/export.h"
 #include "base/output_path.h"
 
 #include <fmt/format.h>
