@@ -79,8 +79,8 @@ SetMeshes::SetMeshes(const gpu::Device& device, const stage::GltfScene& scene, c
       blended_(device, "set transparent",
                surface_shape(device.buffers().fitting(set_transparent_frag, set_transparent_frag_storage),
                              {kSetColour, kSetColour}, true)),
-      shadow_(device, "set shadow", shadow_shape()),
-      surfaces_(make_surfaces(scene, around, std::make_shared<SceneTextures>(make_textures(device)))) {
+      shadow_(device, "set shadow", shadow_shape()) {
+    surfaces_ = make_surfaces(scene, around, std::make_shared<SceneTextures>(make_textures(device)));
     find_blended();
 }
 

@@ -15,7 +15,7 @@ SetRaster::SetRaster(const gpu::Device& device, const stage::GltfScene& scene, u
     : lighting(device, std::move(environment)),
       device_(device),
       targets_(device, width, height, views),
-      meshes_(device, scene, surroundings(*lighting.environment())),
+      meshes_(device, scene, {*lighting.environment(), lighting, targets_.volume_depth}),
       background_(device, *lighting.environment(), lighting) {
     lighting.change_set(meshes_.box());
 }
