@@ -96,9 +96,10 @@ edit::EditFrames PaintTool::frames_of(const PaintedPerformer& performer) const {
 editor::PaintOperation PaintTool::operation_of(const PaintedPerformer& performer, bool inverted) const {
     editor::PaintOperation operation;
     using Kind = editor::PaintOperation::Kind;
-    using Tool = PaintSettings::Tool;
-    static_assert(static_cast<int>(Tool::kRestore) == static_cast<int>(Kind::kRestore), "the tools have Kind's order");
-    if (settings.tool != Tool::kStamp) operation.kind = static_cast<editor::PaintOperation::Kind>(settings.tool);
+    static_assert(static_cast<int>(PaintSettings::Tool::kRestore) == static_cast<int>(Kind::kRestore),
+                  "the tools have Kind's order");
+    if (settings.tool != PaintSettings::Tool::kStamp)
+        operation.kind = static_cast<editor::PaintOperation::Kind>(settings.tool);
     if (inverted && operation.kind == editor::PaintOperation::Kind::kColour)
         operation.kind = editor::PaintOperation::Kind::kErase;
     operation.colour = glm::clamp(glm::vec3(settings.colour), 0.0f, 1.0f);
