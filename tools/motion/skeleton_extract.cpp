@@ -17,8 +17,8 @@
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/say.h"
-#include "training/data/image_reader.h"
 #include "training/data/layouts/formats.h"
+#include "training/data/layouts/rig/image_reader.h"
 
 namespace neuvv::tools {
 

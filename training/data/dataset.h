@@ -11,6 +11,7 @@
 
 #include "base/platform.h"
 #include "stage/camera.h"
+#include "training/data/layouts/rig/rig.h"
 #include "training/data/tiled_image.h"
 #include "voctree/files/world_frame.h"
 
@@ -47,10 +48,6 @@ struct Dataset {
     voctree::WorldFrame frame{};
     std::vector<std::string> remarks = {};  // what the loader of the layout decided by itself
 };
-
-// Only some layouts have kVal. kAll is what loaders read where the user holds out cameras (layouts/rig/holdout.h):
-// training and test.
-enum class Split { kTrain, kTest, kVal, kAll };
 
 struct LoadOptions {
     std::string format = "auto";  // one of format_names()

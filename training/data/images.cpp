@@ -7,7 +7,8 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "base/threads/parallel.h"
-#include "training/data/image_reader.h"
+#include "training/data/layouts/rig/image_reader.h"
+#include "training/data/plate.h"
 #include "training/data/segments.h"
 #include "training/data/undistort.h"
 

@@ -1,6 +1,7 @@
 // Reads the images of a rig.
 #pragma once
 
+#include "training/data/dataset.h"
 #include "training/data/layouts/rig/rig.h"
 
 namespace neuvv::training {

@@ -10,8 +10,9 @@
 #include "base/error.h"
 #include "base/threads/parallel.h"
 #include "training/data/contact_sheet.h"
-#include "training/data/image_reader.h"
 #include "training/data/layouts/formats.h"
+#include "training/data/layouts/rig/image_reader.h"
+#include "training/data/plate.h"
 
 namespace neuvv::training {
 

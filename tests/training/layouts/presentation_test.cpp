@@ -9,9 +9,9 @@
 #include "support/input_error.h"
 #include "support/jpeg_file.h"
 #include "support/video_file.h"
-#include "training/data/image_reader.h"
 #include "training/data/images.h"
 #include "training/data/layouts/formats.h"
+#include "training/data/layouts/rig/image_reader.h"
 
 namespace neuvv {
 namespace {

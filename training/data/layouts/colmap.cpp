@@ -6,11 +6,11 @@
 #include <map>
 
 #include "base/error.h"
-#include "training/data/image_reader.h"
 #include "training/data/layouts/colmap_model.h"
 #include "training/data/layouts/rig/calibration.h"
 #include "training/data/layouts/rig/camera_folders.h"
 #include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/image_reader.h"
 
 namespace neuvv::training {
 

@@ -7,10 +7,10 @@
 #include <set>
 
 #include "base/error.h"
-#include "training/data/image_reader.h"
 #include "training/data/layouts/rig/calibration.h"
 #include "training/data/layouts/rig/camera_folders.h"
 #include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/image_reader.h"
 #include "training/data/layouts/rig/opencv_yaml.h"
 
 namespace neuvv::training {

@@ -9,12 +9,12 @@
 
 #include "base/error.h"
 #include "media/image.h"
-#include "training/data/image_reader.h"
 #include "training/data/layouts/nerf_images.h"
 #include "training/data/layouts/nerf_splits.h"
 #include "training/data/layouts/rig/calibration.h"
 #include "training/data/layouts/rig/camera_names.h"
 #include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/image_reader.h"
 
 namespace neuvv::training {
 

@@ -6,9 +6,9 @@
 #include <iterator>
 
 #include "base/error.h"
-#include "training/data/image_reader.h"
 #include "training/data/layouts/nerf_splits.h"
 #include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/image_reader.h"
 
 namespace neuvv::training {
 

@@ -9,10 +9,10 @@
 #include "base/formats/json.h"
 #include "interchange/camera/json_pose.h"
 #include "media/image.h"
-#include "training/data/image_reader.h"
 #include "training/data/layouts/rig/calibration.h"
 #include "training/data/layouts/rig/camera_folders.h"
 #include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/image_reader.h"
 
 namespace neuvv::training {
 

@@ -22,10 +22,10 @@
 #include "base/platform.h"
 #include "base/text.h"
 #include "interchange/camera/json_pose.h"
-#include "training/data/image_reader.h"
 #include "training/data/layouts/rig/calibration.h"
 #include "training/data/layouts/rig/camera_folders.h"
 #include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/image_reader.h"
 
 namespace neuvv::training {
 

@@ -13,8 +13,8 @@
 #include "interchange/camera/json_pose.h"
 #include "media/image.h"
 #include "media/video.h"
-#include "training/data/image_reader.h"
 #include "training/data/layouts/rig/candidates.h"
+#include "training/data/layouts/rig/image_reader.h"
 #include "training/data/layouts/rig/presentation.h"
 
 namespace neuvv::training {

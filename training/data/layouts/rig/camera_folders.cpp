@@ -10,10 +10,10 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "media/video.h"
-#include "training/data/image_reader.h"
 #include "training/data/layouts/rig/calibration.h"
 #include "training/data/layouts/rig/candidates.h"
 #include "training/data/layouts/rig/clip_times.h"
+#include "training/data/layouts/rig/image_reader.h"
 
 namespace neuvv::training {
 

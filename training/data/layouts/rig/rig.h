@@ -9,10 +9,13 @@
 #include <vector>
 
 #include "interchange/camera/lens.h"
-#include "training/data/dataset.h"
 #include "voctree/files/world_frame.h"
 
 namespace neuvv::training {
+
+// Only some layouts have kVal. kAll is what loaders read where the user holds out cameras (holdout.h): training and
+// test.
+enum class Split { kTrain, kTest, kVal, kAll };
 
 // An image file, or one frame of a video.
 struct ImageSource {

@@ -1,13 +1,10 @@
-#include "training/data/image_reader.h"
+#include "training/data/layouts/rig/image_reader.h"
 
 #include <fmt/format.h>
-
-#include <algorithm>
 
 #include "base/error.h"
 #include "base/platform.h"
 #include "media/orientation.h"
-#include "training/data/matte.h"
 
 namespace neuvv::training {
 
@@ -50,17 +47,6 @@ media::Image ImageReader::read(const ImageSource& source, const ExpectSize& expe
     expect(video_->next(image));
     ++next_frame_;
     return image;
-}
-
-media::Image read_plate(const ImageSource& source, const ImageReader::ExpectSize& expect_size) {
-    ImageReader reader;
-    if (source.video_frame < 0) return reader.read(source, expect_size);
-    const int64_t frames = media::VideoReader(source.path).frames();
-    const int64_t count = std::clamp<int64_t>(frames, 1, kMaxMedianFrames);
-    std::vector<media::Image> some;
-    for (int64_t i = 0; i < count; ++i)
-        some.push_back(reader.read({source.path, count > 1 ? i * (frames - 1) / (count - 1) : 0}, expect_size));
-    return median_background(some);
 }
 
 media::ImageSize size_of(const ImageSource& source) {

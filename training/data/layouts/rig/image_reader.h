@@ -25,10 +25,6 @@ class ImageReader {
     int64_t next_frame_ = 0;
 };
 
-// The clean plate that the source names: an image, or of a video, per pixel, the median of up to kMaxMedianFrames
-// frames (matte.h), over which people who walk through its first frames count little.
-media::Image read_plate(const ImageSource& source, const ImageReader::ExpectSize& expect_size = {});
-
 // The size of the image, read from the file's header alone.
 media::ImageSize size_of(const ImageSource& source);
 
