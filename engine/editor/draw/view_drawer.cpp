@@ -1,17 +1,15 @@
-// RenderThread: draws the view, first with as many rays as there is time for, then with all of them.
+#include "editor/draw/view_drawer.h"
+
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 
 #include "editor/draw/blocks.h"
-#include "editor/draw/render_thread.h"
 
 namespace neuvv::editor {
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr uint32_t kCapacityStep = 128;
+constexpr double kMovingTarget_ms = 45;
 constexpr auto kLookAgain = std::chrono::milliseconds(10);     // for what a view lacks
 constexpr auto kRefineDelay = std::chrono::milliseconds(100);  // without a new view; then the view is refined
 
@@ -31,30 +29,57 @@ void add_passes(std::vector<gpu::PassTime>& to, const std::vector<gpu::PassTime>
 
 }  // namespace
 
-uint32_t RenderThread::roomy(uint32_t pixels) {
-    return (pixels + 8 + kCapacityStep - 1) / kCapacityStep * kCapacityStep;
+ViewDrawer::ViewDrawer(const gpu::Device& device, StageOnDevice& stage, RenderState& state)
+    : device_(device), stage_(stage), state_(state), scale_(kMovingTarget_ms), grid_(kMovingTarget_ms) {}
+
+void ViewDrawer::release() {
+    refinement_.reset();
+    look_at_.reset();
+    view_.reset();
+    image_.reset();
+}
+
+std::optional<VkExtent2D> ViewDrawer::size() const {
+    if (!view_) return {};
+    return VkExtent2D{view_->camera.width, view_->camera.height};
+}
+
+std::optional<Clock::time_point> ViewDrawer::due() const {
+    return refinement_ ? refinement_->start : look_at_;
+}
+
+void ViewDrawer::go_on() {
+    if (refinement_)
+        refine();
+    else
+        look_for_missing();
+}
+
+void ViewDrawer::draw(ViewRequest view) {
+    view_ = std::move(view);
+    draw_again();
 }
 
 // Makes sure that the image and the renderer have at least this size.
-void RenderThread::fit(VkExtent2D size) {
-    if (size.width + 8 > capacity_.width || size.height + 8 > capacity_.height) {
-        capacity_ = {std::max(capacity_.width, roomy(size.width)), std::max(capacity_.height, roomy(size.height))};
-        renderer_->resize(capacity_.width, capacity_.height);
-    }
-    if (image_ && image_->shape.width == capacity_.width && image_->shape.height == capacity_.height) return;
+void ViewDrawer::fit(VkExtent2D size) {
+    stage_.fit(size);
+    const VkExtent2D capacity = stage_.capacity();
+    if (image_ && image_->shape.width == capacity.width && image_->shape.height == capacity.height) return;
     const gpu::ImageShape shape{
-        capacity_.width, capacity_.height, VK_FORMAT_R8G8B8A8_UNORM,
+        capacity.width, capacity.height, VK_FORMAT_R8G8B8A8_UNORM,
         VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
-    auto created = render::with_memory_of_slices(
-        renderer_->frames(), [&] { return std::make_shared<gpu::DeviceImage>(device_, "displayed image", shape); });
+    auto created = render::with_memory_of_slices(stage_.renderer().frames(), [&] {
+        return std::make_shared<gpu::DeviceImage>(device_, "displayed image", shape);
+    });
     gpu::run_once(device_, "displayed image", [&](gpu::Commands& commands) {
         gpu::move_layout(commands, *created, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     });
     image_ = std::move(created);
 }
 
-render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const stage::EvaluatedStage& evaluated) const {
-    render::FrameSettings settings = renderer_->settings_at(evaluated, view.highlight);
+render::FrameSettings ViewDrawer::settings_at(const stage::EvaluatedStage& evaluated) const {
+    const ViewRequest& view = *view_;
+    render::FrameSettings settings = stage_.renderer().settings_at(evaluated, view.highlight);
     const glm::vec4 background = settings.resolve.background;
     settings.resolve = view.resolve;
     if (!view.overrides_background) settings.resolve.background = background;
@@ -66,53 +91,56 @@ render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const s
 }
 
 // Performers stay as they are shown until what they lack has been read; so does the view.
-void RenderThread::look_for_missing() {
+void ViewDrawer::look_for_missing() {
     look_at_.reset();
-    const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view_->time_s);
-    renderer_->show(evaluated, !view_->overrides_background, render::MissingSegments::kHold);
-    report_unreadable_segments();
-    if (renderer_->shown(evaluated) != shown_ || renderer_->shows_all(evaluated))
-        draw(*view_);
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage_.stage(), view_->time_s);
+    stage_.renderer().show(evaluated, !view_->overrides_background, render::MissingSegments::kHold);
+    stage_.tell_unreadable_segments();
+    if (stage_.renderer().shown(evaluated) != shown_ || stage_.renderer().shows_all(evaluated))
+        draw_again();
     else
         look_at_ = Clock::now() + kLookAgain;
 }
 
-void RenderThread::note_waiting(bool waits, const stage::EvaluatedStage& evaluated) {
-    const auto before = std::exchange(shown_, renderer_->shown(evaluated));
-    const std::lock_guard lock(mutex_);
-    if (!waits) state_.waits_since.reset();
-    if (waits && (shown_ != before || !state_.waits_since)) state_.waits_since = Clock::now();
+void ViewDrawer::note_waiting(bool waits, const stage::EvaluatedStage& evaluated) {
+    const auto before = std::exchange(shown_, stage_.renderer().shown(evaluated));
+    state_.change([&](RenderThreadState& state) {
+        if (!waits) state.waits_since.reset();
+        if (waits && (shown_ != before || !state.waits_since)) state.waits_since = Clock::now();
+    });
 }
 
-void RenderThread::draw(const ViewRequest& view) {
+void ViewDrawer::draw_again() {
     refinement_.reset();
     look_at_.reset();
+    if (!view_) return;
+    const ViewRequest& view = *view_;
     const VkExtent2D size{view.camera.width, view.camera.height};
     if (size.width == 0 || size.height == 0) return;
     fit(size);
     const Clock::time_point begin = Clock::now();
-    const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(evaluated, !view.overrides_background, render::MissingSegments::kHold);
-    report_unreadable_segments();
-    render::FrameSettings settings = settings_of(view, evaluated);
-    const bool lacks = !view.moving && !renderer_->shows_all(evaluated);
-    note_waiting(lacks || renderer_->holds(evaluated), evaluated);
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage_.stage(), view.time_s);
+    stage_.renderer().show(evaluated, !view.overrides_background, render::MissingSegments::kHold);
+    stage_.tell_unreadable_segments();
+    render::FrameSettings settings = settings_at(evaluated);
+    const bool lacks = !view.moving && !stage_.renderer().shows_all(evaluated);
+    note_waiting(lacks || stage_.renderer().holds(evaluated), evaluated);
     settings.scale = std::min(scale_.scale(), view.max_scale);
-    settings.next_instances = renderer_->instances_at(view.next_s);
+    settings.next_instances = stage_.renderer().instances_at(view.next_s);
     draw_to_image(view.camera, settings, {0, 0});
     const double milliseconds = milliseconds_since(begin);
     scale_.drawn(settings.scale, milliseconds);
 
     DisplayedImage displayed{0,
                              view.id,
-                             stage_id_,
+                             stage_.id(),
                              image_,
                              size,
                              settings.scale,
                              view.moving,
                              milliseconds,
-                             renderer_->frames().pass_times(),
-                             renderer_->frames().live_entries()};
+                             stage_.renderer().frames().pass_times(),
+                             stage_.renderer().frames().live_entries()};
     if (lacks) {
         look_at_ = Clock::now() + kLookAgain;
     } else if (!view.moving) {
@@ -125,11 +153,11 @@ void RenderThread::draw(const ViewRequest& view) {
             refinement_ = Refinement{0, samples, begin + kRefineDelay, displayed};
         }
     }
-    publish(displayed);
+    state_.publish(displayed);
 }
 
 // Draws the next block of the view that does not change, with all its rays.
-void RenderThread::refine() {
+void ViewDrawer::refine() {
     Refinement& refinement = *refinement_;
     if (refinement.next == 0) {
         refinement.displayed.milliseconds = 0;
@@ -137,14 +165,14 @@ void RenderThread::refine() {
     }
     const uint32_t side = grid_.side();
     const Clock::time_point begin = Clock::now();
-    draw_block(*view_, refinement.next, side, refinement.samples);
+    draw_block(refinement.next, side, refinement.samples);
     const double milliseconds = milliseconds_since(begin);
     refinement.displayed.milliseconds += milliseconds;
     refinement.displayed.scale = refinement.samples;
-    add_passes(refinement.displayed.passes, renderer_->frames().pass_times());
+    add_passes(refinement.displayed.passes, stage_.renderer().frames().pass_times());
     const bool whole = ++refinement.next == side * side;
     refinement.displayed.finished = whole && refinement.samples == view_->samples;
-    publish(refinement.displayed);
+    state_.publish(refinement.displayed);
     if (refinement.displayed.finished) {
         refinement_.reset();
     } else if (whole) {
@@ -156,13 +184,14 @@ void RenderThread::refine() {
     }
 }
 
-void RenderThread::draw_block(const ViewRequest& view, uint32_t block, uint32_t side, uint32_t samples) {
+void ViewDrawer::draw_block(uint32_t block, uint32_t side, uint32_t samples) {
+    const ViewRequest& view = *view_;
     const Block part = block_of(view.camera, block, side);
     const stage::Camera& camera = part.camera;
     if (camera.width == 0 || camera.height == 0) return;
-    const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(evaluated, !view.overrides_background);  // all is there, unless an export took its place
-    render::FrameSettings settings = settings_of(view, evaluated);
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage_.stage(), view.time_s);
+    stage_.renderer().show(evaluated, !view.overrides_background);  // all is there, unless an export took its place
+    render::FrameSettings settings = settings_at(evaluated);
     settings.width = camera.width;
     settings.height = camera.height;
     settings.samples = samples;
@@ -170,8 +199,8 @@ void RenderThread::draw_block(const ViewRequest& view, uint32_t block, uint32_t 
 }
 
 // The image, and its copy to a place in image_, in one submission.
-void RenderThread::draw_to_image(const stage::Camera& camera, const render::FrameSettings& settings, VkOffset2D at) {
-    renderer_->frames().draw({&camera, 1}, settings, [&](gpu::Commands& commands, const gpu::Buffer& pixels) {
+void ViewDrawer::draw_to_image(const stage::Camera& camera, const render::FrameSettings& settings, VkOffset2D at) {
+    stage_.renderer().frames().draw({&camera, 1}, settings, [&](gpu::Commands& commands, const gpu::Buffer& pixels) {
         gpu::full_barrier(commands);
         gpu::move_layout(commands, *image_, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
         VkBufferImageCopy region{};
@@ -182,15 +211,6 @@ void RenderThread::draw_to_image(const stage::Camera& camera, const render::Fram
                                &region);
         gpu::move_layout(commands, *image_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     });
-}
-
-void RenderThread::publish(DisplayedImage displayed) {
-    {
-        const std::lock_guard lock(mutex_);
-        displayed.number = state_.displayed.number + 1;
-        state_.displayed = std::move(displayed);
-    }
-    wake_();
 }
 
 }  // namespace neuvv::editor
