@@ -131,14 +131,17 @@ TEST_F(InteractionTest, WhatIsScaledKeepsItsFeetOnTheFloor) {
 }
 
 TEST_F(InteractionTest, WhatIsLiftedStaysThereAndWhatIsSunkComesUp) {
-    for (const double by_m : {0.5, -0.5}) {
+    const glm::dvec3 before = position("ben");
+    for (const double by_m : {0.5, 0.1, -0.5}) {
+        const glm::dvec3 moved(0.4, by_m, 0);
         point(xr::kRight, kRightHand, kBen);
         inputs[xr::kRight].grab = 1;
         frames(2);
-        point(xr::kRight, kRightHand + glm::dvec3(0, by_m, 0), kBen + glm::dvec3(0, by_m, 0));
+        point(xr::kRight, kRightHand + moved, kBen + moved);
         frames(2);
         release_grab();
-        EXPECT_NEAR(position("ben").y, std::max(by_m, 0.0), 1e-9);
+        const double stands_m = by_m > 0.2 ? by_m : 0;  // near the floor, on it
+        EXPECT_LT(glm::distance(position("ben"), before + glm::dvec3(0.4, stands_m, 0)), 1e-9) << by_m;
         state.editor.undo();
         frames(2);
     }
@@ -212,6 +215,16 @@ TEST_F(InteractionTest, AHandThatIsNotSeenHoldsWhereItWasLast) {
     release_grab();
     EXPECT_LT(glm::distance(position("ben"), before + kMove), 1e-9);
     EXPECT_EQ(undo_all(), 1u);
+
+    frame();
+    grab_and_move(kBen);
+    inputs[xr::kRight].aim.reset();
+    inputs[xr::kRight].grip.reset();
+    frames(3);
+    point(xr::kRight, kRightHand + 2.0 * kMove, kBen + 2.0 * kMove);
+    frames(2);
+    release_grab();
+    EXPECT_LT(glm::distance(position("ben"), before + 2.0 * kMove), 1e-9) << "it goes on with a hand that comes back";
 }
 
 TEST_F(InteractionTest, APressOnNothingThatEndedDuringAnEditDeselectsNothingLater) {

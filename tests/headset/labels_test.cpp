@@ -38,6 +38,27 @@ TEST(HintLines, WithoutAMenuTheLongPressOfTheLeftHandIsSaid) {
     EXPECT_EQ(lines_of(xr::kLeft, without, with_menu).size(), 2u) << "the other hand has a menu";
 }
 
+struct HintsShown : HandsAtAStage {
+    size_t shown(int role) const { return headset::shown_hints(state, interaction, hints, role).count; }
+    static std::string name_of(xr::HandAction, int) { return "Button"; }
+    const headset::ButtonHints hints{headset::hints_of(xr::kLeft, name_of), headset::hints_of(xr::kRight, name_of)};
+};
+
+TEST_F(HintsShown, NameTheButtonsUntilTheyAreUsed) {
+    const size_t all = hints[xr::kRight].size();
+    EXPECT_EQ(shown(xr::kRight), all);
+    inputs[xr::kRight].play = true;
+    frame();
+    EXPECT_EQ(shown(xr::kRight), all - 1);
+    EXPECT_EQ(shown(xr::kLeft), hints[xr::kLeft].size());
+    inputs[xr::kLeft].menu = true;
+    frame();
+    for (const int role : {xr::kLeft, xr::kRight})
+        EXPECT_EQ(shown(role), hints[static_cast<size_t>(role)].size()) << "while the panel is open, all are shown";
+    state.hints = false;
+    EXPECT_EQ(shown(xr::kRight), 0u);
+}
+
 struct HintPlaces : HandsAtAStage {
     xr::Pose plate() const { return headset::hint_plate(interaction.hands[xr::kRight], world_head(), 1, is_new); }
     xr::Pose world_head() const { return xr::world_from_tracking(state.rig) * head; }

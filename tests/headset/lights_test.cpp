@@ -259,6 +259,42 @@ TEST_F(HeadsetLights, TheTriggerAimsTheSelectedOne) {
     }
 }
 
+// As a user does one after the other: the stage's file has all of it.
+TEST_F(HeadsetLights, AGripAndItsStickOpenALampThatThenLooksAtTheSet) {
+    edit_stage([&](stage::StageFile& file) {
+        edit::Placement wall;
+        wall.at = glm::dvec3(1.5, 1, 0);
+        wall.turn_deg = glm::dvec3(0, 0, 90);
+        return edit::place_node(file, node("floor"), wall);
+    });
+    draw();
+    EXPECT_TRUE(has("brightness")) << "the rows are there before a light is selected";
+    const double before_deg = light().outer_cone_deg;
+    point(xr::kRight, kRightHand, lamp);
+    draw();
+    inputs[xr::kRight].grab = 1;
+    draw();
+    inputs[xr::kRight].stick = {-1, 0};
+    for (int i = 0; i < 22; ++i) draw();
+    inputs[xr::kRight].stick = {0, 0};
+    inputs[xr::kRight].grab = 0;
+    draw();
+    const glm::dvec3 on_wall(1.5, 1.0, -0.4);
+    select(on_wall);
+    draw();
+    const std::filesystem::path saved = folder.path / "saved.gltf";
+    edit::Document document = state.editor.document();
+    edit::save_document(document, saved);
+    const stage::StageFile file = stage::read_stage_file(saved);
+    const uint32_t key = edit::find_node(file, "key");
+    EXPECT_LT(edit::light_on(file, key)->outer_cone_deg, before_deg * 0.95);
+    const edit::NodeTransform placed = edit::transform_of(file, key);
+    EXPECT_LT(glm::distance(placed.translation, lamp), 0.01);
+    EXPECT_LT(glm::distance(placed.rotation * glm::dvec3(0, 0, -1), glm::normalize(on_wall - placed.translation)),
+              0.01);
+    EXPECT_EQ(state.rig.yaw_rad, 0) << "the stick turned nobody";
+}
+
 TEST_F(HeadsetLights, APerformerUnderTheRayIsLookedAt) {
     select(lamp);
     point(xr::kRight, kRightHand, kBen);

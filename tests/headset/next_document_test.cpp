@@ -1,4 +1,4 @@
-// Opening another stage or clip in place of the document.
+// Opening another stage or clip in place of the document; pauses of the program.
 #include "tools/headset/next_document.h"
 
 #include <fstream>
@@ -25,7 +25,7 @@ struct NextDocumentTest : PanelAtAStage {
     }
     // Waits for the job that reads the document.
     void read() {
-        for (int i = 0; i < 5000 && (!jobs.idle() || jobs.has_posted()); ++i) {
+        for (int i = 0; i < 60'000 && (!jobs.idle() || jobs.has_posted()); ++i) {
             jobs.run_posted();
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
@@ -79,7 +79,7 @@ TEST_F(NextDocumentTest, ItReplacesTheDocumentOnceItIsRead) {
     program.open();
     program.start = headset::StandingPlace{};
     headset::open_other(program.state, program.jobs, other);
-    for (int i = 0; i < 5000 && !program.state.next_document->document; ++i) {
+    for (int i = 0; i < 60'000 && !program.state.next_document->document; ++i) {
         program.jobs.run_posted();
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -92,6 +92,25 @@ TEST_F(NextDocumentTest, ItReplacesTheDocumentOnceItIsRead) {
     EXPECT_EQ(program.state.stage->performers[0].name, "carla");
     EXPECT_FALSE(program.start) << "the user gets a place on it";
     EXPECT_FALSE(program.state.editor.modified());
+    program.jobs.stop();
+}
+
+TEST(HeadsetProgram, TheStagePausesWhileNobodyWearsTheHeadsetOrAMenuIsInFront) {
+    const headset::HeadsetOptions options;
+    headset::Program program(options);
+    const auto plays_with = [&](bool is_worn, bool has_focus) {
+        program.is_worn = is_worn;
+        program.has_focus = has_focus;
+        program.pause_unattended();
+        return program.state.clock.playing;
+    };
+    EXPECT_FALSE(plays_with(true, true)) << "it did not play before";
+    program.state.clock.playing = true;
+    EXPECT_TRUE(plays_with(true, true));
+    EXPECT_FALSE(plays_with(false, true));
+    EXPECT_FALSE(plays_with(false, false));
+    EXPECT_FALSE(plays_with(true, false));
+    EXPECT_TRUE(plays_with(true, true)) << "it goes on";
     program.jobs.stop();
 }
 

@@ -30,6 +30,15 @@ class PanelAtAStage : public HandsAtAStage {
     // Runs a frame of hands and panel. `at` is where a ray meets the panel: 0..1 from the upper left.
     void draw(std::optional<glm::dvec2> at = {}, bool pressed = false) {
         frame();
+        draw_under(at, pressed);
+    }
+    // The same, where the ray is that of the hand that points at the panel.
+    void draw_by_hand() {
+        frame();
+        const headset::PanelPointer pointer = interaction.panel_pointer();
+        draw_under(pointer.uv, pointer.pressed);
+    }
+    void draw_under(std::optional<glm::dvec2> at, bool pressed) {
         ImGuiIO& io = ImGui::GetIO();
         io.DeltaTime = 1.0f / 90;
         io.MousePos = at ? ImVec2{float(at->x) * kWidth, float(at->y) * kHeight} : ImVec2{-FLT_MAX, -FLT_MAX};

@@ -2,6 +2,7 @@
 #include "tools/headset/panel.h"
 
 #include "headset/panel_at_a_stage.h"
+#include "tools/headset/settings.h"
 
 namespace neuvv::test {
 namespace {
@@ -191,6 +192,59 @@ TEST_F(PanelRows, WhatNeedsASelectionDoesNothingWithoutOne) {
         press(item);
         EXPECT_EQ(steps(), 1u) << item;
     }
+}
+
+TEST_F(PanelRows, WhatWasDeletedComesBack) {
+    select(kAnna);
+    draw_settled();
+    press("delete");
+    EXPECT_EQ(state.stage->performers.size(), 1u);
+    EXPECT_EQ(state.evaluated.performers.size(), 1u) << "she is not seen";
+    inputs[xr::kLeft].undo = true;
+    draw_settled();
+    EXPECT_EQ(state.evaluated.performers.size(), 2u);
+    EXPECT_FALSE(state.editor.modified());
+}
+
+TEST_F(PanelRows, APressThatBeganElsewherePressesNothing) {
+    select(kAnna);
+    state.panel_visible = true;
+    draw_settled();
+    const glm::dvec3 on_delete = interaction.panel->point_at(items.at("delete"));
+    for (const bool began_elsewhere : {true, false}) {
+        point(xr::kRight, kRightHand, began_elsewhere ? glm::dvec3(3, 1, 0) : on_delete);
+        draw_by_hand();
+        inputs[xr::kRight].select = 1;
+        draw_by_hand();
+        point(xr::kRight, kRightHand, on_delete);
+        for (int i = 0; i < 3; ++i) draw_by_hand();
+        inputs[xr::kRight].select = 0;
+        for (int i = 0; i < 3; ++i) draw_by_hand();
+        EXPECT_EQ(state.editor.modified(), !began_elsewhere);
+        select(kAnna);
+    }
+}
+
+TEST_F(PanelRows, ComfortIsRememberedFromRunToRun) {
+    const auto turned_by_little_deg = [&] {  // too little for a snap turn
+        state.rig = {};
+        inputs[xr::kRight].stick = {0.5, 0};
+        frames(18);
+        inputs[xr::kRight].stick = {0, 0};
+        frame();
+        return glm::degrees(state.rig.yaw_rad);
+    };
+    EXPECT_EQ(turned_by_little_deg(), 0);
+    headset::HeadsetSettings settings(folder.path / "config/headset.json");
+    settings.load(state, interaction.grab.settings);
+    press("user page");
+    press("smooth turn");
+    press("smooth walk");
+    settings.save(state, interaction.grab.settings);
+    state.comfort = {};
+    headset::HeadsetSettings(folder.path / "config/headset.json").load(state, interaction.grab.settings);
+    EXPECT_TRUE(state.comfort.smooth_walk);
+    EXPECT_LT(turned_by_little_deg(), -5);
 }
 
 TEST_F(PanelRows, AKeyboardRenamesWhoIsSelected) {

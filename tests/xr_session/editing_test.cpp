@@ -66,18 +66,6 @@ TEST_F(Editing, AGripMovesAPerformerAndLettingGoIsOneStep) {
     EXPECT_FALSE(run.report["haptics"].empty()) << "hands feel what they take";
 }
 
-TEST_F(Editing, LettingGoNearTheFloorStandsOnIt) {
-    XrScript script = selecting();
-    const glm::dvec3 moved(0.4, 0.1, 0);
-    script.input(12, "right", "squeeze/value", 1);
-    script.hand(14, "right", kRightHand, kAnna);
-    script.move_to(20, "right", kRightHand + moved, kAnna + moved);
-    script.input(24, "right", "squeeze/value", 0);
-    show_and_save(script, 26);
-    expect_clean(run(script));
-    EXPECT_LT(glm::distance(position(node(saved(), "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
-}
-
 TEST_F(Editing, TwoHandsScale) {
     XrScript script = selecting();
     // Points of the shoulders, which are alike on both sides of the head.
@@ -267,62 +255,6 @@ TEST_F(Editing, ABoxThatIsPulledUpIsErased) {
     EXPECT_EQ(check_golden("xr_region", run.image(76, "left")), "");
     EXPECT_EQ(check_golden("xr_erased", run.image(128, "left")), "");
     EXPECT_EQ(run.seen["modified"], true);
-}
-
-TEST_F(Editing, WhatWasDeletedComesBack) {
-    const json& items = arrange_panel();
-    XrScript script = with_panel();
-    press(script, 16, items, "delete");
-    script.save(25);
-    script.click(28, "left", "x/click");
-    script.save(34);
-    script.end(38);
-    const XrRun run = this->run(script);
-    expect_clean(run);
-    EXPECT_FALSE(same_pixels(run.image(25, "left"), run.image(34, "left"))) << "gone, and back";
-    EXPECT_EQ(run.seen["modified"], false);
-}
-
-TEST_F(Editing, UndoWhileAHandHoldsTakesTheMoveBack) {
-    XrScript script = selecting();
-    script.input(12, "right", "squeeze/value", 1);
-    script.hand(14, "right", kRightHand, kAnna);
-    script.move_to(18, "right", kRightHand + glm::dvec3(0.4, 0, 0), kAnna + glm::dvec3(0.4, 0, 0));
-    script.click(20, "left", "x/click");
-    script.save(24);
-    script.input(26, "right", "squeeze/value", 0);
-    script.end(30);
-    const XrRun run = this->run(script);
-    expect_clean(run);
-    EXPECT_EQ(run.seen["modified"], false);
-}
-
-TEST_F(Editing, ComfortIsRememberedFromRunToRun) {
-    const json user_page = page("user page");
-    XrScript script = with_panel();
-    press(script, 16, arrange_panel(), "user page");
-    press(script, 16 + kPress, user_page, "smooth turn");
-    script.end(36);
-    expect_clean(run(script));
-    XrScript later;
-    later.stick(12, "right", {0.5, 0});  // too little for a snap turn
-    later.end(30);
-    const XrRun run = this->run(later);
-    expect_clean(run);
-    EXPECT_LT(run.seen["turned_deg"].get<double>(), -5);
-}
-
-TEST_F(Editing, APressThatBeganElsewherePressesNothing) {
-    const json& items = arrange_panel();
-    XrScript script = with_panel();
-    script.hand(16, "right", kRightHand, {3, 1, 0});
-    script.input(18, "right", "trigger/value", 1);
-    script.hand(20, "right", kRightHand, item_position(items["delete"]));
-    script.input(24, "right", "trigger/value", 0);
-    script.end(30);
-    const XrRun run = this->run(script);
-    expect_clean(run);
-    EXPECT_EQ(run.seen["modified"], false) << "nothing was deleted";
 }
 
 TEST_F(Editing, BareHandsPinchToSelectAndGrab) {

@@ -8,6 +8,7 @@
 #include "support/child_process.h"
 #include "support/figure.h"
 #include "voctree/nvv.h"
+#include "xr_session/replay.h"
 
 namespace neuvv::test {
 
@@ -175,11 +176,8 @@ XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& mor
     return run;
 }
 
-json XrSession::panel_after(XrScript script, int end_frame) {
-    script.end(end_frame);
-    const XrRun run = this->run(script, {}, false);
-    expect_sound(run);
-    return run.seen.value("panel", json::object());
+json XrSession::panel_after(const XrScript& script, int end_frame) const {
+    return panel_items_after(json::parse(script.text()), end_frame, stage, folder.path / "config/neuvv/headset.json");
 }
 
 void XrSession::press(XrScript& script, int frame, const json& items, const std::string& item) {

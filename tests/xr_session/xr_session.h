@@ -76,10 +76,8 @@ class XrSession : public testing::Test {
     XrRun run(const XrScript& script, const std::vector<std::string>& more = {}, bool validate = true);
     // XrRun::out of the next run.
     std::filesystem::path next_out() const { return folder.path / ("run" + std::to_string(runs_ + 1)); }
-    // The middles of the panel's items (tracking space) after a run of the script, by name. That run has no validation
-    // layers, which take half of the time: a run that presses those items draws the same panel, and is to be
-    // expect_clean.
-    nlohmann::json panel_after(XrScript script, int end_frame);
+    // The middles of the panel's items (tracking space) at a frame of the script, by name (replay.h).
+    nlohmann::json panel_after(const XrScript& script, int end_frame) const;
     // The right hand points at an item of the panel and pulls the trigger. This takes kPress frames.
     static void press(XrScript& script, int frame, const nlohmann::json& items, const std::string& item);
     static constexpr int kPress = 8;
