@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/platform.h"
+#include "tools/remedies.h"
 #include "tools/say.h"
 #include "voctree/files/world_frame.h"
 
@@ -162,8 +163,8 @@ void say_notes(const std::string& file, const std::vector<std::string>& notes) {
     for (const std::string& note : notes) say("note: {} {}\n", file, note);
 }
 
-void say_not_shown(const std::vector<std::string>& problems) {
-    for (const std::string& problem : problems) say("neuvv: not shown: {}\n", problem);
+void say_not_shown(const std::vector<Note>& problems) {
+    for (const Note& problem : problems) say("neuvv: not shown: {}\n", message_of(problem));
 }
 
 void say_remarks(const std::vector<std::string>& remarks) {

@@ -97,7 +97,7 @@ std::string capture_line(const std::filesystem::path& clip);
 void say_notes(const std::string& file, const std::vector<std::string>& notes);
 
 // Says which segments of clips cannot be read, and so are not shown (StageRenderer::take_problems).
-void say_not_shown(const std::vector<std::string>& problems);
+void say_not_shown(const std::vector<Note>& problems);
 
 // Says on stderr what the loader of a data set decided by itself.
 void say_remarks(const std::vector<std::string>& remarks);

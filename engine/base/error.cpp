@@ -35,4 +35,15 @@ InputError::InputError(const Subject& subject, const std::string& place, const s
     : Failure(shortened(subject.name) + ": " + (place.empty() ? "" : shortened(place) + ": ") + shortened(problem), fix,
               subject.is_setting) {}
 
+Note::Note(const std::exception& error) : text(error.what()) {
+    const auto* failure = dynamic_cast<const Failure*>(&error);
+    if (failure == nullptr) return;
+    text = failure->cause();
+    fix = failure->fix();
+}
+
+std::string Note::words() const {
+    return and_fix(text, plain_words(fix));
+}
+
 }  // namespace neuvv

@@ -53,13 +53,18 @@ struct RuntimeFailure : Failure {
     explicit RuntimeFailure(const std::string& cause, const Fix& fix = {}) : Failure(cause, fix, false) {}
 };
 
-// What a user should know of what went well.
+// What a user should know of what went on all the same, such as why a part is left out. Empty: nothing.
 struct Note {
     std::string text;
     Fix fix;
 
+    Note() = default;
+    Note(const std::exception& error);  // its what(), with the fix kept apart where there is one
     Note(const char* said) : text(said) {}
     Note(std::string said, Fix what_to_do = {}) : text(std::move(said)), fix(std::move(what_to_do)) {}
+    bool empty() const { return text.empty(); }
+    std::string words() const;  // "text; fix", which names no program's options
+    bool operator==(const Note&) const = default;
 };
 
 // Text for one line of a terminal, cut where it is long and without passwords: what() and its parts are made so.

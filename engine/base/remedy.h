@@ -78,6 +78,7 @@ struct Fix {
     Fix(const char* said) : words(said) {}
     Fix(std::string said) : words(std::move(said)) {}
     Fix(Remedy chosen, std::string about = "") : remedy(chosen), value(std::move(about)) {}
+    bool operator==(const Fix&) const = default;
 };
 
 // The fix in words that name no program's options; empty where there is none.

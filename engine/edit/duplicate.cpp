@@ -79,7 +79,7 @@ stage::Timeline timeline_of(const stage::StageFile& file, uint32_t node) {
     try {
         header = voctree::read_clip_header(clip);
     } catch (const InputError& problem) {
-        throw InputError(name, title_of(file, node), problem.what(), "copies that are later need its clip");
+        throw InputError(name, title_of(file, node), problem.cause(), "copies that are later need its clip");
     }
     return stage::timeline_of(map, header.frames, static_cast<double>(header.fps), name, place);
 }

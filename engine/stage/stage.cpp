@@ -46,7 +46,7 @@ uint32_t clip_of(Stage& stage, const std::filesystem::path& path, const StagePer
                                std::make_shared<const voctree::ClipIndex>(voctree::read_clip_index(path))});
     } catch (const InputError& problem) {
         throw InputError(stage.file.path.string(), fmt::format("{}/uri of \"{}\"", place, performer.name),
-                         problem.what(), "train it, put it there, or remove the performer");
+                         problem.cause(), "train it, put it there, or remove the performer");
     }
     return static_cast<uint32_t>(stage.clips.size() - 1);
 }

@@ -173,7 +173,7 @@ TEST_F(StageClipsTest, SegmentsTakeTheMemoryOfSlicesWhereThereIsNoOther) {
                 return renderer.shows_all(evaluated);
             };
             EXPECT_NO_THROW(EXPECT_TRUE(shown_within(12'000)));
-            EXPECT_EQ(renderer.take_problems(), std::vector<std::string>());
+            EXPECT_TRUE(renderer.take_problems().empty());
             device().limit_memory(std::nullopt);
             EXPECT_EQ(image_at(renderer, *stage, time_s).rgba, expected.rgba);
             if (renderer.frames().slices().budget() < budget || HasFailure()) break;
@@ -190,20 +190,20 @@ TEST_F(StageClipsTest, ASegmentForWhichThereIsNoMemoryIsReportedOnce) {
     image_at(renderer, *stage, middle_of(0));
     device().memory_pool().clear(device().handle());
     device().limit_memory(1);  // what slices had is not enough, either
-    std::vector<std::string> problems;
+    std::vector<Note> problems;
     // Within a minute it is told; what is told again would be so at once.
     constexpr int kMore = 200;
     for (int i = 0, last = 12'000; i < last && problems.size() < 2; ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
         renderer.show(evaluated, true, MissingSegments::kHold);
-        for (std::string& problem : renderer.take_problems()) {
+        for (Note& problem : renderer.take_problems()) {
             problems.push_back(std::move(problem));
             last = i + kMore;
         }
     }
     device().limit_memory(std::nullopt);
     ASSERT_EQ(problems.size(), 1u);
-    EXPECT_NE(problems[0].find("no memory left"), std::string::npos) << problems[0];
+    EXPECT_NE(problems[0].words().find("no memory left"), std::string::npos) << problems[0].words();
 }
 
 TEST_F(StageClipsTest, AfterASeekThePerformerStaysUntilTheSegmentIsRead) {
@@ -394,9 +394,9 @@ TEST_F(StageClipsTest, EditedPaintOfASegmentShowsAtOnce) {
         voctree::EditLayer{voctree::painted_field(voctree::read_nvv(segment(3))), {}});
     renderer.change(painted, loader.load(painted));
     image_at(renderer, painted, middle_of(2));
-    const std::vector<std::string> problems = renderer.take_problems();
+    const std::vector<Note> problems = renderer.take_problems();
     ASSERT_EQ(problems.size(), 1u);
-    EXPECT_NE(problems[0].find("is paint for another clip"), std::string::npos) << problems[0];
+    EXPECT_NE(problems[0].words().find("is paint for another clip"), std::string::npos) << problems[0].words();
     edited.clear();
     expect_input_error([&] { loader.load(painted); }, {"look.nvpaint", "no such folder"});
 }
@@ -479,11 +479,11 @@ TEST_F(StageClipsTest, ADamagedSegmentCostsItselfAlone) {
     std::filesystem::remove(segment(5));
     Follower follower{*this};
     ASSERT_EQ(follower.clips.problems().size(), 1u);
-    EXPECT_NE(follower.clips.problems()[0].find(segment(5).filename().string()), std::string::npos);
+    EXPECT_NE(follower.clips.problems()[0].words().find(segment(5).filename().string()), std::string::npos);
     EXPECT_TRUE(follower.at(middle_of(2), MissingSegments::kWait));
     EXPECT_FALSE(follower.at(middle_of(3), MissingSegments::kWait)) << "nobody is there";
     ASSERT_EQ(follower.clips.problems().size(), 2u);
-    EXPECT_NE(follower.clips.problems()[1].find(segment(3).filename().string()), std::string::npos);
+    EXPECT_NE(follower.clips.problems()[1].words().find(segment(3).filename().string()), std::string::npos);
     EXPECT_TRUE(follower.at(middle_of(4), MissingSegments::kWait));
     EXPECT_FALSE(follower.at(middle_of(5), MissingSegments::kWait));
     EXPECT_TRUE(follower.at(middle_of(6), MissingSegments::kWait));

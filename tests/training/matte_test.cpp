@@ -183,7 +183,8 @@ TEST_F(MatteFiles, AreWhatTrainingReads) {
     EXPECT_EQ(summary.images, 18u);
     EXPECT_EQ(summary.cameras, 2u);
     EXPECT_EQ(summary.cameras_with_plate, 0u);
-    EXPECT_NE(summary.missing_split.find("transforms_test.json"), std::string::npos) << summary.missing_split;
+    EXPECT_NE(summary.missing_split.words().find("transforms_test.json"), std::string::npos)
+        << summary.missing_split.words();
     EXPECT_GE(calls, 2u);
     EXPECT_EQ(training::count_existing_mattes(job), 18u);
     EXPECT_GT(loaded_agreement().iou, 0.95);

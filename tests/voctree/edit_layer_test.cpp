@@ -197,7 +197,7 @@ TEST_F(PaintFile, OfAnotherFieldIsRefused) {
     voctree::write_nvv(path, tree);
     expect_input_error([&] { read(); }, {"not a layer of paint"});
     expect_input_error([&] { voctree::read_paint(folder.path / "none.nvpaint", layer.field); },
-                       {"no such file", "name a layer of paint"});
+                       {"no such file", "check the path"});
 }
 
 TEST_F(PaintFile, EveryDamagedByteAndEveryMissingEndIsRefused) {

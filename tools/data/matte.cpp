@@ -10,6 +10,7 @@
 #include "base/platform.h"
 #include "tools/commands.h"
 #include "tools/options.h"
+#include "tools/remedies.h"
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/say.h"
@@ -70,7 +71,7 @@ void run_matte(MatteOptions options) {
     });
     progress.finish();
     if (!made.missing_split.empty())
-        say("one split alone has mattes now, the other cannot be read: {}\n", made.missing_split);
+        say("one split alone has mattes now, the other cannot be read: {}\n", message_of(made.missing_split));
     tell("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",
          made.images, made.cameras, made.cameras_with_plate, what.output.string());
     if (stop_requested()) throw RuntimeFailure("stopped before the end; the same command with --overwrite begins anew");

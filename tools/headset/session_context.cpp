@@ -208,7 +208,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     session.eyes.show_room(!hides_room);
     context.renderer->show_room(hides_room ? std::nullopt : std::optional(world.position.y));
     context.renderer->show(state.evaluated, hides_room, render::MissingSegments::kHold);
-    for (const std::string& problem : context.renderer->take_problems()) print_line("not shown: " + problem);
+    for (const Note& problem : context.renderer->take_problems()) print_line("not shown: " + problem.words());
     const auto head = session.xr_session.locate(session.xr_session.head_space(), time.display);
     session.shapes.begin(world * (head ? head->position : glm::dvec3(0)), session.eyes.pixel_rad());
     if (hides_room) draw_floor(session.shapes, state);

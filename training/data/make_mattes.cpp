@@ -27,7 +27,7 @@ constexpr const char* kSheetName = "contact_sheet";
 // The splits that can be read, and why one cannot be (MatteSummary::missing_split).
 struct Rigs {
     std::vector<Rig> all;
-    std::string missing;
+    Note missing;
 };
 
 Rigs read_rigs(const MatteJob& job) {
@@ -37,7 +37,7 @@ Rigs read_rigs(const MatteJob& job) {
             rigs.all.push_back(read_rig(job.dataset, split, job.format));
         } catch (const InputError& error) {
             if (!first) first = error;
-            rigs.missing = error.what();
+            rigs.missing = Note(error);
         }
     if (rigs.all.empty()) throw *first;
     return rigs;

@@ -23,7 +23,7 @@ struct MatteJob {
 struct MatteSummary {
     uint64_t images = 0;
     uint32_t cameras = 0, cameras_with_plate = 0;
-    std::string missing_split;  // why one of the two splits was left out, as a data set need not have both; else empty
+    Note missing_split;  // why one of the two splits was left out, as a data set need not have both; else empty
 };
 
 // Receives how many images are done, and of how many; returns false to stop.

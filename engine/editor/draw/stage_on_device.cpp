@@ -50,6 +50,7 @@ bool StageOnDevice::show_waiting(VkExtent2D size) {
         load(*waiting, size);
     } catch (const InputError& error) {
         state_.tell_problem(error.what(), is_sound(*waiting->document) ? 0 : waiting->id);
+        return false;
     }
     return true;
 }
@@ -159,9 +160,9 @@ void StageOnDevice::fit(VkExtent2D size) {
 }
 
 void StageOnDevice::tell_unreadable_segments() {
-    const std::vector<std::string> problems = renderer_->take_problems();
+    const std::vector<Note> problems = renderer_->take_problems();
     if (problems.empty()) return;
-    state_.change([&](RenderThreadState& state) { state.problem = problems[0]; });
+    state_.change([&](RenderThreadState& state) { state.problem = problems[0].words(); });
 }
 
 std::string StageOnDevice::replace_shaders(const gpu::ShaderReplacements& shaders, VkExtent2D size,

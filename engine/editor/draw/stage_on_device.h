@@ -24,7 +24,7 @@ class StageOnDevice {
     void release();
 
     // Brings the document to the device, for images of `size` pixels, or says in the state why it cannot be drawn.
-    // Returns false where it waits for its clips.
+    // Returns false where it waits for its clips, or these cannot be read.
     bool show(const ShownDocument& document, VkExtent2D size);
     // The same, of the document that waits, after `clips_read`.
     bool show_waiting(VkExtent2D size);

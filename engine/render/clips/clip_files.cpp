@@ -137,11 +137,11 @@ std::shared_ptr<const SegmentPaint> ClipFiles::read_paint(const voctree::ClipSeg
                                                        paint->stamps == stamps)
                 return paint;
     }
-    SegmentPaint read{layers, stamps, nullptr, ""};
+    SegmentPaint read{layers, stamps, nullptr, {}};
     try {
         read.paint = load_segment_paint(device_, layers, segment, clip.painted);
     } catch (const InputError& problem) {
-        read.problem = problem.what();
+        read.problem = Note(problem);
     }
     auto paint = std::make_shared<const SegmentPaint>(std::move(read));
     const std::lock_guard lock(mutex_);
@@ -227,16 +227,16 @@ void ClipFiles::read_one_ahead(const Wanted& wanted) {
         if (wanted.in_time && wanted.segment.stream && read_in_time(wanted.segment)) return;
         if (wanted.is_urgent && !find(wanted.segment)) read_coarse(wanted.segment);
         const std::shared_ptr<const LoadedClip> clip = read_once(wanted.segment);
-        add_result({wanted.segment.file, stamp, clip, "", false, read_paints(wanted.segment, *clip, wanted.layers)});
+        add_result({wanted.segment.file, stamp, clip, {}, false, read_paints(wanted.segment, *clip, wanted.layers)});
     } catch (const stream::ServerProblem& problem) {
-        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}, true});
+        add_result({wanted.segment.file, stamp, nullptr, Note(problem), false, {}, true});
         pause();
     } catch (const InputError& problem) {
-        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}});
+        add_result({wanted.segment.file, stamp, nullptr, Note(problem), false, {}});
     } catch (const std::exception& problem) {  // no memory: there may be some later
         const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&problem);
         const bool lacks_memory = vulkan && vulkan->out_of_memory();
-        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}, true, lacks_memory});
+        add_result({wanted.segment.file, stamp, nullptr, Note(problem), false, {}, true, lacks_memory});
         pause();
     }
 }

@@ -73,12 +73,12 @@ class ClipFiles {
     // read yet. Where the device has no memory for one, the thread leaves it out and pauses for a second.
     void read_ahead(std::vector<Wanted> wanted);
 
-    // A segment that a thread has read, or the line that says why it could not.
+    // A segment that a thread has read, or what says why it could not.
     struct Result {
         std::filesystem::path file;
         FileStamp stamp;
         std::shared_ptr<const LoadedClip> clip;
-        std::string problem;
+        Note problem;
         bool is_coarse = false;  // this is its coarse tree; or of a frame of a stream, what came in time
         Paints paints{};         // for the lists of layers that were wanted; none of a coarse tree
         bool may_come = false;   // it could not be read because a server does not answer, or for want of memory

@@ -30,7 +30,7 @@ struct SegmentPaint {
     LayerFolders layers;                 // of_segment
     std::vector<FileStamp> stamps;       // of the segment's file in each layer
     std::shared_ptr<const Paint> paint;  // null: no leaf of the segment is painted
-    std::string problem;                 // why it cannot be read and is left out; mostly empty
+    Note problem;                        // why it cannot be read and is left out; mostly empty
 };
 
 // The stamps of the segment's file in each layer.

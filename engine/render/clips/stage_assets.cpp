@@ -33,26 +33,26 @@ const StageLoader::KnownHeader& StageLoader::header_of(const voctree::ClipSegmen
     const FileStamp stamp = stamp_of(segment);
     if (const auto known = headers_.find(segment.file); known != headers_.end() && known->second.stamp == stamp)
         return known->second;
-    KnownHeader header{stamp, {}, ""};
+    KnownHeader header{stamp, {}, {}};
     try {
         const voctree::NvvHeader read = voctree::read_segment_header(segment);
         if (read.leaf_count > 0) header.box.emplace(read.box_min, read.box_min + read.box_size);
     } catch (const InputError& problem) {
-        header.problem = problem.what();
+        header.problem = Note(problem);
     }
     return headers_[segment.file] = header;
 }
 
 // Its first readable segment is read; others that are on the device, for an earlier version of the stage, are found.
-void StageLoader::load_segments(ClipOnDevice& clip, std::vector<std::string>& problems) {
+void StageLoader::load_segments(ClipOnDevice& clip, std::vector<Note>& problems) {
     for (const voctree::ClipSegment& segment : clip.index.segments) {
         ClipOnDevice::Segment& one = clip.segments.emplace_back();
         const KnownHeader& header = header_of(segment);
-        std::string problem = header.problem;
+        Note problem = header.problem;
         try {
             if (problem.empty()) one.loaded = clip.first ? files_->find(segment) : files_->read(segment);
         } catch (const InputError& error) {
-            problem = error.what();
+            problem = Note(error);
         }
         if (!clip.first) clip.first = one.loaded;
         one.readable = problem.empty();
@@ -63,13 +63,14 @@ void StageLoader::load_segments(ClipOnDevice& clip, std::vector<std::string>& pr
     }
 }
 
-ClipOnDevice StageLoader::load_clip(const std::filesystem::path& path, std::vector<std::string>& problems) {
+ClipOnDevice StageLoader::load_clip(const std::filesystem::path& path, std::vector<Note>& problems) {
     ClipOnDevice clip{voctree::read_clip_index(path), {}, nullptr, {glm::dvec3(INFINITY), glm::dvec3(-INFINITY)}};
     const size_t known_problems = problems.size();
     if (clip.index.segments.size() > 1) {
         load_segments(clip, problems);
         if (!clip.first)
-            throw InputError(path.string(), "", "none of its segments can be read: " + problems[known_problems]);
+            throw InputError(path.string(), "", "none of its segments can be read: " + problems[known_problems].text,
+                             problems[known_problems].fix);
     } else {
         clip.first = files_->read(clip.index.segments[0]);
         clip.segments.push_back({clip.first, nullptr});
@@ -107,7 +108,7 @@ void for_visible_layers(const stage::Stage& stage, const stage::StagePerformer& 
         try {
             load(stage::file_of_uri(stage.file, layer.uri, place), layer);
         } catch (const InputError& problem) {
-            throw InputError(stage.file.path.string(), place, problem.what());
+            throw InputError(stage.file.path.string(), place, problem.cause(), problem.fix());
         }
     }
 }

@@ -48,8 +48,8 @@ struct StageAssets {
     // kNoLayers where there are none.
     std::vector<std::vector<LoadedLayer>> paint;
     std::vector<uint32_t> layers;
-    std::vector<std::string> problems;  // a line for each segment that cannot be read
-    std::shared_ptr<ClipFiles> files;   // reads the segments that are not on the device
+    std::vector<Note> problems;        // one for each segment that cannot be read
+    std::shared_ptr<ClipFiles> files;  // reads the segments that are not on the device
 };
 
 // Reads the files of a stage, and of its later versions only what has changed: an asset of an earlier load that is
@@ -79,11 +79,11 @@ class StageLoader {
     struct KnownHeader {
         FileStamp stamp;
         std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // of its tree, metres; nothing: no leaves
-        std::string problem;                                   // empty: it is sound
+        Note problem;                                          // empty: it is sound
     };
     const KnownHeader& header_of(const voctree::ClipSegment& segment);
-    void load_segments(ClipOnDevice& clip, std::vector<std::string>& problems);
-    ClipOnDevice load_clip(const std::filesystem::path& path, std::vector<std::string>& problems);
+    void load_segments(ClipOnDevice& clip, std::vector<Note>& problems);
+    ClipOnDevice load_clip(const std::filesystem::path& path, std::vector<Note>& problems);
     std::shared_ptr<const SetEnvironment> load_environment(const stage::Stage& stage);
     std::vector<LoadedLayer> load_layers(const stage::Stage& stage, const stage::StagePerformer& performer,
                                          const voctree::PaintedField& painted);

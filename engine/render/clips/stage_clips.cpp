@@ -147,15 +147,15 @@ bool StageClips::shows_all(const stage::EvaluatedStage& evaluated) const {
     return std::ranges::none_of(needed_at(evaluated), [this](const Id& id) { return is_missing(id); });
 }
 
-void StageClips::tell(const std::string& problem) {
+void StageClips::tell(const Note& problem) {
     if (!problem.empty() && !contains(problems_, problem)) problems_.push_back(problem);
 }
 
-void StageClips::tell_lack_of_memory(const std::string& problem) {
+void StageClips::tell_lack_of_memory(const Note& problem) {
     if (!std::exchange(told_lack_of_memory_, true)) tell(problem);
 }
 
-void StageClips::fail(const Id& id, const std::string& problem) {
+void StageClips::fail(const Id& id, const Note& problem) {
     at(id).readable = false;
     tell(problem);
 }
@@ -360,9 +360,9 @@ void StageClips::read_missing(const stage::EvaluatedStage& evaluated) {
             const std::shared_ptr<const LoadedClip> loaded = files_->read(file_of(id));
             take(id, loaded, files_->read_paints(file_of(id), *loaded, clips_[id.clip].layers));
         } catch (const stream::ServerProblem& problem) {
-            tell(problem.what());
+            tell(Note(problem));
         } catch (const InputError& problem) {
-            fail(id, problem.what());
+            fail(id, Note(problem));
         }
     }
     remember(evaluated);

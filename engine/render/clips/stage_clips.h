@@ -72,13 +72,13 @@ class StageClips {
     }
     // A line for each segment of which it is known that it cannot be read; at its times, the performer is not there.
     // And one for paint of a segment that cannot be read and does not show.
-    const std::vector<std::string>& problems() const { return problems_; }
-    void tell(const std::string& problem);
+    const std::vector<Note>& problems() const { return problems_; }
+    void tell(const Note& problem);
     // The same for a lack of memory, of which each attempt has another text: once, until something was read.
-    void tell_lack_of_memory(const std::string& problem);
+    void tell_lack_of_memory(const Note& problem);
     // Why a segment could not be read for want of memory since the last call; empty: there was memory for all. It is
     // none of the problems: whoever can free memory does so, and else calls tell().
-    std::string take_lack_of_memory() { return std::exchange(lack_of_memory_, {}); }
+    Note take_lack_of_memory() { return std::exchange(lack_of_memory_, {}); }
 
   private:
     struct Id {
@@ -97,7 +97,7 @@ class StageClips {
     std::vector<Id> segments_of(const stage::EvaluatedPerformer& performer) const;
     bool is_missing(const Id& id) const { return at(id).readable && !at(id).loaded; }
     void take_results();
-    void fail(const Id& id, const std::string& problem);
+    void fail(const Id& id, const Note& problem);
     void take(const Id& id, std::shared_ptr<const LoadedClip> loaded, ClipFiles::Paints paints);
     std::vector<Id> needed_at(const stage::EvaluatedStage& evaluated) const;
     std::vector<Id> ahead_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) const;
@@ -111,8 +111,8 @@ class StageClips {
     std::vector<ClipOnDevice> clips_;
     std::vector<uint32_t> layers_;  // by performer: an index into ClipOnDevice::layers (StageAssets)
     std::shared_ptr<ClipFiles> files_;
-    std::vector<std::string> problems_;
-    std::string lack_of_memory_;
+    std::vector<Note> problems_;
+    Note lack_of_memory_;
     bool told_lack_of_memory_ = false;  // since something was read
     // Of segmented clips only:
     std::map<std::filesystem::path, std::vector<Id>> ids_;  // by file

@@ -129,8 +129,8 @@ void StageRenderer::update_segment_paints() {
     }
 }
 
-std::vector<std::string> StageRenderer::take_problems() {
-    const std::vector<std::string>& all = clips_.problems();
+std::vector<Note> StageRenderer::take_problems() {
+    const std::vector<Note>& all = clips_.problems();
     const size_t reported = std::exchange(reported_problems_, all.size());
     return {all.begin() + static_cast<ptrdiff_t>(reported), all.end()};
 }
@@ -236,7 +236,7 @@ void StageRenderer::make_targets(uint32_t width, uint32_t height) {
 void StageRenderer::bring_to_device(const stage::EvaluatedStage& evaluated, MissingSegments missing) {
     clips_.follow(*stage_, evaluated, missing);
     update_fields();
-    if (const std::string problem = clips_.take_lack_of_memory(); !problem.empty()) {
+    if (const Note problem = clips_.take_lack_of_memory(); !problem.empty()) {
         // Where slices have gone since the last time, or there are some to drop, the thread tries again.
         const bool have_gone = frames_->slices().budget() < lack_budget_;
         if (!have_gone && (frames_->slices().budget() <= 1 || !frames_->drop_slices()))

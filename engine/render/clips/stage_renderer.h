@@ -105,9 +105,9 @@ class StageRenderer {
                                             const voctree::PaintedField& painted) const;
     // Whether the file is that of a segment that is not on the device, but can be read.
     bool awaits(const std::filesystem::path& file) const;
-    // A line for each segment, and for paint of a segment, that cannot be read, of those that were found since the last
+    // One for each segment, and for paint of a segment, that cannot be read, of those that were found since the last
     // call, or since change(): StageClips::problems.
-    std::vector<std::string> take_problems();
+    std::vector<Note> take_problems();
     // ClipOnDevice::leaf_box.
     std::pair<glm::dvec3, glm::dvec3> leaf_box(uint32_t clip) const { return clips_.clips()[clip].leaf_box; }
     // What is solid of a performer in the segment of its time, null where the loader does not find that, and the frame

@@ -161,7 +161,7 @@ FileContent content_of(const std::filesystem::path& path) {
 
 ChunkReader::ChunkReader(const std::filesystem::path& path, const FileKind& kind) : path_(path.string()) {
     std::error_code error;
-    if (!std::filesystem::exists(path, error)) throw InputError(path_, "", "no such file", kind.fix);
+    if (!std::filesystem::exists(path, error)) throw InputError(path_, "", "no such file", "check the path");
     if (!std::filesystem::is_regular_file(path, error))
         throw InputError(path_, "", "is not a regular file", fmt::format("name an {} file", kind.ending));
     file_bytes_ = std::filesystem::file_size(path, error);

@@ -63,7 +63,7 @@ Box box_of(const ClipSegment& segment, const VOctree& tree) {
 
 Box occupied_box(const ClipIndex& clip) {
     std::optional<Box> box, empty;  // of segments with leaves, and of one without
-    std::string problem;
+    Note problem;
     for (const ClipSegment& segment : sample_of(clip)) {
         try {
             const VOctree tree = small_tree(segment);
@@ -73,12 +73,12 @@ Box occupied_box(const ClipIndex& clip) {
             else
                 box = box ? Box(glm::min(box->first, one.first), glm::max(box->second, one.second)) : one;
         } catch (const InputError& error) {
-            if (problem.empty()) problem = error.what();
+            if (problem.empty()) problem = Note(error);
         }
     }
     if (!box && !empty)
         throw InputError(clip.segments[0].file.parent_path().string(), "",
-                         "none of its segments can be read: " + problem);
+                         "none of its segments can be read: " + problem.text, problem.fix);
     return box ? *box : *empty;
 }
 
