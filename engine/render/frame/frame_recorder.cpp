@@ -129,10 +129,11 @@ void FrameRecorder::record_readback(gpu::Commands& commands, const ViewLayout& l
 }
 
 // Comments say what each pass reads → writes, by the names of buffers in their structs: Field, SliceTrees, TileRanges
-// (target_.ranges), RayBatch (target_.rays) and SetRaster. Passes of a slice are recorded in volume/slice_tree.cpp,
-// those of one instance in volume/performer.cpp (record_instance). With a set, the shadow maps of performers and set
-// follow the slices, and rays end at the set. Without a set, only the tiles of the image that an instance may cover are
-// resolved, and those that the last frame's instances may have covered; elsewhere the image stays as it is.
+// (target_.ranges), RayBatch (target_.rays), SetTargets, SetMeshes and SetLighting. Passes of a slice are recorded in
+// volume/slices/slice_tree.cpp, those of one instance in volume/performer.cpp (record_instance). With a set, the shadow
+// maps of performers and set follow the slices, and rays end at the set. Without a set, only the tiles of the image
+// that an instance may cover are resolved, and those that the last frame's instances may have covered; elsewhere the
+// image stays as it is.
 void FrameRecorder::record_playing(const FrameParts& frame) {
     const auto& [commands, slot, plan, settings, performers] = frame;
     // Where the layout or the resolve settings are not those of the last image: ranges.covered, rays.cameras →
@@ -143,24 +144,25 @@ void FrameRecorder::record_playing(const FrameParts& frame) {
         if (performer) record_slices(commands, *performer);
     if (set_) {
         set_->lighting.record_lights(commands);
-        // SliceTrees → the shadows' own ranges and rays → SetRaster performer_shadows
+        // SliceTrees → the shadows' own ranges and rays → SetLighting performer_shadows
         record_performer_shadows(commands, *shadows_, performers, kLightTarget);
-        // SetRaster vertices, materials, lights_buffer → set_shadow_maps
+        // SetMeshes vertices, materials, SetLighting lights_buffer → set_shadow_maps
         set_->record_shadows(commands);
-        // the same, set_shadow_maps, performer_shadows → colour, depth
+        // the same, set_shadow_maps, performer_shadows → SetTargets colour, depth
         set_->record_solid(commands, plan.set_cameras);
     }
-    // SliceTrees, rays.cameras, rays.tiles, SetRaster depth and lights → ranges.*, rays.radiance, rays.depth
+    // SliceTrees, rays.cameras, rays.tiles, SetTargets depth, SetLighting lights_buffer → ranges.*, rays.radiance,
+    // rays.depth
     record_rays(frame);
     if (set_ && set_->has_transparent()) {
-        // rays.radiance, rays.depth, rays.cameras → SetRaster volume_depth
+        // rays.radiance, rays.depth, rays.cameras → SetTargets volume_depth
         record_volume_depth(commands, *volume_depth_, plan.layout);
-        // vertices, materials, lights_buffer, both shadow maps, volume_depth → colour, front
+        // vertices, materials, lights_buffer, both shadow maps, volume_depth → SetTargets colour, front
         set_->record_transparent(commands, plan.set_cameras);
     }
     // ranges.covered, ranges.image_shown → ranges.image_list, ranges.image_count, ranges.image_shown
     if (!set_) record_image_list(commands, lister_, plan.layout);
-    // rays.radiance, rays.depth, rays.cameras, ranges.image_list or SetRaster colour, front, depth → image_
+    // rays.radiance, rays.depth, rays.cameras, ranges.image_list or SetTargets colour, front, depth → image_
     const Resolver& whole = set_ ? resolver_ : listed_resolver_;
     record_resolve(commands, plan.layout.upscaled() ? *upscaler_ : whole, plan.layout, settings.resolve);
     // Field, Paint → SliceTrees of the next frames, in parts; counts → counts_readback_ of the slot

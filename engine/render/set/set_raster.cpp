@@ -1,6 +1,7 @@
 #include "render/set/set_raster.h"
 
 #include <cassert>
+#include <optional>
 
 #include "render/set/raster.h"
 
@@ -22,10 +23,11 @@ SetRaster::SetRaster(const gpu::Device& device, const stage::GltfScene& scene, u
 
 void SetRaster::change(const stage::GltfScene& scene, std::shared_ptr<const SetEnvironment> environment) {
     const bool same_environment = environment == lighting.environment(), had_transparent = has_transparent();
-    gpu::TextureSet background = bind_background(background_.pass, *environment, lighting);
+    std::optional<gpu::TextureSet> background;
+    if (!same_environment) background = bind_background(background_.pass, *environment, lighting);
     const bool looks_different = meshes_.change(scene, surroundings(*environment), same_environment);
     // Nothing may fail from here on.
-    background_.bound = std::move(background);
+    if (background) background_.bound = std::move(*background);
     lighting.surround(std::move(environment));
     if (looks_different) lighting.change_set(meshes_.box());
     clear_front(had_transparent);
