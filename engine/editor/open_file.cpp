@@ -87,7 +87,8 @@ edit::Document open_document(const std::filesystem::path& path, AroundClip aroun
         return document;
     }
     if (!stream::is_address(file) && !voctree::has_clip_ending(file))
-        throw InputError(file.string(), "", "is neither a stage nor a clip", "open a .gltf, .glb, .nvv, .nvs or .npz");
+        throw InputError(file.string(), "", "is neither a stage nor a clip",
+                         "open one of .gltf, .glb, " + voctree::clip_endings_text());
     document.file = new_stage_of_clip(file, around);
     edit::PerformerEdit performer;
     performer.clip = file;

@@ -27,10 +27,9 @@ namespace {
 constexpr double kWatchInterval_s = 1;
 
 constexpr const char* kReadableFiles =
-    "a stage (.gltf, .glb), a clip (.nvv, .nvs, .npz), splats (.ply), volumes (.vdb), paint (.nvpaint), an image "
-    "(.png), "
-    "a sound (.wav, .flac, .ogg, .opus, .mp3, .m4a), a motion (.bvh, .trc), a skeleton (.skeleton.glb), a camera path "
-    "(.json, .usda), a folder with clips or a data set";
+    "a stage (.gltf, .glb), splats (.ply), volumes (.vdb), paint (.nvpaint), an image (.png), a sound (.wav, .flac, "
+    ".ogg, .opus, .mp3, .m4a), a motion (.bvh, .trc), a skeleton (.skeleton.glb), a camera path (.json, .usda), a "
+    "folder with clips or a data set";
 
 bool is_one_of(const std::filesystem::path& path, std::initializer_list<const char*> endings) {
     std::string ending = path.extension().string();
@@ -138,9 +137,11 @@ std::string Files::name() const {
 }
 
 void Files::ask_to_open() {
-    ask_path(
-        "Open", {".gltf", ".glb", ".nvv", ".nvs", ".npz", ".ply", ".vdb", ".bvh", ".trc", ".json", ".usda"}, false, "",
-        [this](const std::filesystem::path& path) { voctree::has_clip_ending(path) ? open(path) : open_or_add(path); });
+    std::vector<std::string> endings{".gltf", ".glb", ".ply", ".vdb", ".bvh", ".trc", ".json", ".usda"};
+    std::ranges::copy(voctree::kClipEndings, std::back_inserter(endings));
+    ask_path("Open", endings, false, "", [this](const std::filesystem::path& path) {
+        voctree::has_clip_ending(path) ? open(path) : open_or_add(path);
+    });
 }
 
 void Files::new_stage() {
@@ -238,7 +239,8 @@ void Files::open_or_add(const std::filesystem::path& file) {
     if (is_open && is_skeleton(file)) return add_skeleton(file);
     if (editor::has_stage_ending(file) || (!is_open && voctree::has_clip_ending(file))) return open(file);
     if (is_open && add_to_stage(file)) return;
-    context_.editor.notify(is_open ? fmt::format("{}: is none of {}", file.filename().string(), kReadableFiles)
+    context_.editor.notify(is_open ? fmt::format("{}: is none of a clip ({}), {}", file.filename().string(),
+                                                 voctree::clip_endings_text(), kReadableFiles)
                                    : fmt::format("{}: open a stage or a clip first", file.filename().string()),
                            true);
 }

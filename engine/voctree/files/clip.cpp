@@ -1,7 +1,9 @@
 #include "voctree/files/clip.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <optional>
@@ -38,7 +40,11 @@ ClipKind kind_of(const std::filesystem::path& path) {
 }
 
 bool has_clip_ending(const std::filesystem::path& path) {
-    return path.extension() == ".nvv" || path.extension() == ".npz" || path.extension() == ".nvs";
+    return std::ranges::any_of(kClipEndings, [&](const char* ending) { return path.extension() == ending; });
+}
+
+std::string clip_endings_text() {
+    return fmt::format("{}", fmt::join(kClipEndings, ", "));
 }
 
 void expect_no_stream(const std::filesystem::path& path) {
@@ -126,23 +132,22 @@ namespace {
 
 ClipHeader read_segmented_header(const std::filesystem::path& path) {
     const ClipIndex index = read_clip_index(path);
-    using Box = std::pair<glm::vec3, glm::vec3>;
-    std::optional<Box> box, empty;  // of the segments with leaves, and of one without
-    std::string problem;
+    std::optional<std::pair<glm::vec3, glm::vec3>> box, empty;  // of the segments with leaves, and of one without
+    Note problem;
     for (const ClipSegment& segment : index.segments) {
         try {
             const NvvHeader header = read_segment_header(segment);
-            const Box one{header.box_min, header.box_min + header.box_size};
+            const std::pair one(header.box_min, header.box_min + header.box_size);
             if (header.leaf_count == 0)
                 empty = one;
             else
-                box = box ? Box(glm::min(box->first, one.first), glm::max(box->second, one.second)) : one;
+                box = box ? std::pair(glm::min(box->first, one.first), glm::max(box->second, one.second)) : one;
         } catch (const InputError& error) {
-            if (problem.empty()) problem = error.what();
+            if (problem.empty()) problem = Note(error);
         }
     }
     if (!box) box = empty;
-    if (!box) throw InputError(path.string(), "", "none of its segments can be read: " + problem);
+    if (!box) throw InputError(path.string(), "", "none of its segments can be read: " + problem.text, problem.fix);
     return {index.frames(), index.fps, box->first, box->second - box->first};
 }
 

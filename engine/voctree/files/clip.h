@@ -1,8 +1,10 @@
 // Clips that can be played, of all kinds.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "voctree/files/clip_index.h"
 #include "voctree/files/nvv.h"
@@ -22,8 +24,11 @@ enum class ClipKind {
 // as a .nvv, whose reader says what is wrong with it.
 ClipKind kind_of(const std::filesystem::path& path);
 
-// Whether the path ends as files of these kinds do: with ".nvv", ".nvs" or ".npz".
+// How files of these kinds end.
+inline constexpr std::array kClipEndings{".nvv", ".nvs", ".npz"};
 bool has_clip_ending(const std::filesystem::path& path);
+// In a text: ".nvv, .nvs, .npz".
+std::string clip_endings_text();
 
 // Reads a clip that is one file. Throws InputError where read_nvv or read_plenoctree does, and for a segmented clip
 // (clip_index.h) and a stream, whose segments are read one by one.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <stdexcept>
 
 #include "base/error.h"
 #include "voctree/files/chunk_file.h"
@@ -66,16 +67,22 @@ std::vector<NvvChunkView> ChunkOfFrame::views() const {
 }
 
 WorldFrame read_world_frame(const std::filesystem::path& clip) {
-    const ClipKind kind = kind_of(clip);
-    if (kind == ClipKind::kStream) {
-        const WorldFrame world = frame_of_stream(read_clip_index(clip).segments[0].stream->index().capture);
-        expect_sound(world, clip.string(), "header");
-        return world;
+    switch (kind_of(clip)) {
+        case ClipKind::kStream: {
+            const WorldFrame world = frame_of_stream(read_clip_index(clip).segments[0].stream->index().capture);
+            expect_sound(world, clip.string(), "header");
+            return world;
+        }
+        case ClipKind::kSegments:
+            for (const ClipSegment& segment : read_clip_index(clip).segments)
+                if (content_of(segment.file) == FileContent::kClip) return frame_in_file(segment.file);
+            return {};
+        case ClipKind::kNvv:
+            return content_of(clip) == FileContent::kClip ? frame_in_file(clip) : WorldFrame{};
+        case ClipKind::kPlenoctree:
+            return {};
     }
-    if (kind != ClipKind::kSegments) return content_of(clip) == FileContent::kClip ? frame_in_file(clip) : WorldFrame{};
-    for (const ClipSegment& segment : read_clip_index(clip).segments)
-        if (content_of(segment.file) == FileContent::kClip) return frame_in_file(segment.file);
-    return {};
+    throw std::logic_error("a kind of clip without a frame");
 }
 
 stream::CaptureFrame frame_for_stream(const WorldFrame& frame, const std::filesystem::path& clip) {

@@ -8,7 +8,7 @@
 
 #include "edit/operations.h"
 #include "tools/headset/state/arrange.h"
-#include "voctree/files/clip_index.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::headset {
 
@@ -168,8 +168,7 @@ std::vector<std::filesystem::path> clips_at_hand(const editor::Editor& editor) {
          !error && entry != end; entry.increment(error)) {
         const std::filesystem::path& path = entry->path();
         const bool is_file = entry->is_regular_file(error);
-        const bool is_clip = path.extension() == ".nvv" || (path.extension() == ".nvs" && is_file);
-        if (is_clip && (is_file || voctree::is_segmented(path))) beside.push_back(path);
+        if (voctree::has_clip_ending(path) && (is_file || voctree::is_segmented(path))) beside.push_back(path);
     }
     std::sort(beside.begin(), beside.end());
     for (const std::filesystem::path& clip : beside)

@@ -1,10 +1,14 @@
 #include <imgui.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "tools/ui/icons.h"
 #include "tools/viewer/panels/fields.h"
 #include "tools/viewer/panels/panels.h"
 #include "tools/viewer/panels/stage_tree.h"
 #include "tools/viewer/tools/overlay.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::viewer {
 
@@ -47,11 +51,12 @@ void file_menu(Context& context, const MenuBar& uses) {
     if (!menu(context, "File")) return;
     if (item(context, "New", "Ctrl+N")) uses.files.new_stage();
     if (item(context, "Open…", "Ctrl+O")) uses.files.ask_to_open();
-    if (item(context, "Add to the stage…", "", context.editor.is_open()))
-        uses.files.ask_path("Add a clip, paint, environment or sound",
-                            {".nvv", ".nvs", ".npz", ".nvpaint", ".png", ".wav", ".flac", ".ogg", ".mp3", ".m4a"},
-                            false, "",
+    if (item(context, "Add to the stage…", "", context.editor.is_open())) {
+        std::vector<std::string> endings{".nvpaint", ".png", ".wav", ".flac", ".ogg", ".mp3", ".m4a"};
+        std::ranges::copy(voctree::kClipEndings, std::back_inserter(endings));
+        uses.files.ask_path("Add a clip, paint, environment or sound", endings, false, "",
                             [files = &uses.files](const std::filesystem::path& path) { files->open_or_add(path); });
+    }
     recent_menu(context, uses);
     ImGui::Separator();
     verb_items(context, uses.verb);

@@ -7,6 +7,7 @@
 #include "tools/ui/icons.h"
 #include "tools/ui/theme.h"
 #include "tools/viewer/panels/panels.h"
+#include "voctree/files/clip.h"
 
 namespace neuvv::viewer {
 
@@ -58,8 +59,10 @@ void notices_panel(Context& context, std::span<const editor::Notice> notices) {
                      ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoInputs);
     if (nothing_open)
         line(ui::kAccent, ICON_OPEN,
-             "Drop a stage (.gltf, .glb), a clip (.nvv, .nvs, .npz), splats (.ply), volumes (.vdb) or the folder of a "
-             "data set here, or choose File > Open.");
+             fmt::format(
+                 "Drop a stage (.gltf, .glb), a clip ({}), splats (.ply), volumes (.vdb) or the folder of a data "
+                 "set here, or choose File > Open.",
+                 voctree::clip_endings_text()));
     for (const std::string& job : jobs) line(ui::kAccent, ICON_LOOP, job + "…");
     if (!rendered.loading.empty())
         line(ui::kAccent, ICON_LOOP,

@@ -275,9 +275,8 @@ void stage_panel(Context& context, const Area& area, StageTree& tree) {
     buttons(context, tree);
     ImGui::Separator();
     if (tree.rows.empty())
-        ImGui::TextWrapped("%s", context.editor.is_open()
-                                     ? "An empty stage. Drop a clip (.nvv, .nvs, .npz) onto the image to begin."
-                                     : "Open or drop a stage or a clip to begin.");
+        ImGui::TextWrapped("%s", context.editor.is_open() ? "An empty stage. Drop a clip onto the image to begin."
+                                                          : "Open or drop a stage or a clip to begin.");
     else
         draw_tree(context, tree);
     duplicate_dialog(context, tree);
