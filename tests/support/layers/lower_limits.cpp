@@ -57,10 +57,13 @@ VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info, const VkAl
 
 PFN_vkVoidFunction VKAPI_CALL function(VkInstance of, const char* name);
 
-const neuvv::test::LayerFunction kFunctions[] = {{"vkGetInstanceProcAddr", &function},
-                                                 {"vkCreateInstance", &create_instance},
-                                                 {"vkGetPhysicalDeviceProperties", &properties},
-                                                 {"vkGetPhysicalDeviceProperties2", &properties_2}};
+const neuvv::test::LayerFunction kFunctions[] = {
+    {"vkGetInstanceProcAddr", &function},
+    {"vkCreateInstance", &create_instance},
+    {"vkGetPhysicalDeviceProperties", &properties},
+    {"vkGetPhysicalDeviceProperties2", &properties_2},
+    // The loader calls it by this name where the instance has the extension.
+    {"vkGetPhysicalDeviceProperties2KHR", &properties_2}};
 
 PFN_vkVoidFunction VKAPI_CALL function(VkInstance of, const char* name) {
     if (const auto own = neuvv::test::own_function(kFunctions, name)) return own;
