@@ -208,6 +208,11 @@ TEST_F(MatteFiles, AreTakenFromAnotherProgram) {
     training::make_mattes(job, {});
     EXPECT_EQ(media::read_png(job.output / "c00_f000.png").at(49, 0)[0], 77);
     EXPECT_EQ(media::read_png(job.output / "c00_f000.png").at(50, 0)[0], 255);
+    EXPECT_GT(training::make_mattes(job, {}).white_borders, 0.8);
+    job.inverted = true;
+    EXPECT_LT(training::make_mattes(job, {}).white_borders, 0.2);
+    EXPECT_EQ(media::read_png(job.output / "c00_f000.png").at(49, 0)[0], 178);
+    EXPECT_EQ(media::read_png(job.output / "c00_f000.png").at(50, 0)[0], 0);
     media::write_png(job.from / "c01_f003.png", media::Image(96, 95));
     expect_input_error([&] { training::make_mattes(job, {}); }, {"c01_f003", "96×95"});
 }

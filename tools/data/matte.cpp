@@ -74,6 +74,9 @@ void run_matte(MatteOptions options) {
         say("one split alone has mattes now, the other cannot be read: {}\n", message_of(made.missing_split));
     tell("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",
          made.images, made.cameras, made.cameras_with_plate, what.output.string());
+    if (made.white_borders > 0.5)
+        say("these mattes are white along the borders of the images, as if white were the background: {}\n",
+            what.inverted ? "leave --invert out if it is" : "add --invert if it is");
     if (stop_requested()) throw RuntimeFailure("stopped before the end; the same command with --overwrite begins anew");
 }
 
@@ -88,8 +91,9 @@ void add_matte(Command app, CommonOptions&) {
     verb.add_option("-o,--output", what.output, "Folder of the mattes (default: DATASET/mattes, where training looks)");
     Option from =
         verb.add_option("--from", what.from,
-                        "Take the mattes of another program instead: NAME.png (alpha, or else brightness) for each "
-                        "image NAME, or a video CAMERA.mov, .webm, .mkv or .mp4 with the frames of the camera's");
+                        "Take the mattes of another program instead (alpha, or else brightness): .png or .jpg named "
+                        "as the images, in folders by camera or not, or a video CAMERA.mov, .webm, .mkv or .mp4");
+    verb.add_flag("--invert", what.inverted, "They are black where the performer is").needs(from);
     verb.add_option("--threshold", what.settings.threshold,
                     "What differs from the background by so many times the camera's noise is the performer")
         .number_between(1, 250)

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/threads/parallel.h"
+#include "training/data/brought_mattes.h"
 #include "training/data/contact_sheet.h"
 #include "training/data/layouts/formats.h"
 #include "training/data/layouts/rig/image_reader.h"
@@ -58,15 +59,27 @@ void expect_distinct_names(const std::vector<Rig>& rigs) {
 }
 
 // The values of a matte of another program: its alpha where it has one, else the brightest of R, G and B.
-std::vector<uint8_t> values_of(const media::Image& matte) {
+std::vector<uint8_t> values_of(const media::Image& matte, bool inverted) {
     bool has_alpha = false;
     for (size_t i = 3; i < matte.rgba.size() && !has_alpha; i += 4) has_alpha = matte.rgba[i] != 255;
     std::vector<uint8_t> values(matte.rgba.size() / 4);
     for (size_t i = 0; i < values.size(); ++i) {
         const uint8_t* at = &matte.rgba[4 * i];
         values[i] = has_alpha ? at[3] : std::max({at[0], at[1], at[2]});
+        if (inverted) values[i] = 255 - values[i];
     }
     return values;
+}
+
+// Which share of the pixels along the image's borders is white.
+double white_borders_of(const std::vector<uint8_t>& matte, uint32_t width, uint32_t height) {
+    uint64_t white = 0, all = 0;
+    for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < width; x += y == 0 || y + 1 == height || width < 2 ? 1 : width - 1) {
+            white += matte[size_t{y} * width + x] >= 128;
+            ++all;
+        }
+    return all > 0 ? static_cast<double>(white) / static_cast<double>(all) : 0;
 }
 
 media::Image composite(const media::Image& image, const std::vector<uint8_t>& alpha) {
@@ -104,15 +117,17 @@ class MatteMaker {
     MatteMaker(const MatteJob& job, const MatteProgress& progress, uint64_t total, size_t cameras)
         : job_(job), progress_(progress), total_(total), sheet_every_(std::max<size_t>(1, cameras / kSheetRows)) {}
 
-    // Returns false where the caller stopped it.
-    bool make(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots) {
+    // `brought` are the mattes of all shots of the rig, where the job takes those of another program. Returns false
+    // where the caller stopped it.
+    bool make(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots,
+              const std::vector<ImageSource>& brought) {
         const bool on_sheet = cameras_++ % sheet_every_ == 0 && sheet_.size() < 3 * kSheetRows;
         const media::Image background = job_.from.empty() ? background_of(rig, camera, shots) : media::Image();
         for (size_t begin = 0; begin < shots.size(); begin += kImagesAtOnce) {
             const std::vector<const Shot*> group(
                 shots.begin() + static_cast<ptrdiff_t>(begin),
                 shots.begin() + static_cast<ptrdiff_t>(std::min(begin + kImagesAtOnce, shots.size())));
-            make_group(rig, group, background, on_sheet && begin == 0);
+            make_group(rig, group, brought, background, on_sheet && begin == 0);
             done_ += group.size();
             if (progress_ && !progress_(done_, total_)) return false;
         }
@@ -123,12 +138,12 @@ class MatteMaker {
     }
     uint64_t done() const { return done_; }
     uint32_t plates() const { return plates_; }
+    double white_borders() const { return done_ > 0 ? white_borders_ / static_cast<double>(done_) : 0; }
 
   private:
     media::Image background_of(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots);
-    void make_group(const Rig& rig, const std::vector<const Shot*>& shots, const media::Image& background,
-                    bool on_sheet);
-    media::Image external_matte(const Rig& rig, const Shot& shot);
+    void make_group(const Rig& rig, const std::vector<const Shot*>& shots, const std::vector<ImageSource>& brought,
+                    const media::Image& background, bool on_sheet);
     static media::Image read(ImageReader& reader, const Rig& rig, uint32_t camera, const ImageSource& source);
 
     const MatteJob& job_;
@@ -136,6 +151,7 @@ class MatteMaker {
     uint64_t total_, done_ = 0;
     size_t sheet_every_, cameras_ = 0;
     uint32_t plates_ = 0;
+    double white_borders_ = 0;  // the sum over all mattes of another program
     ImageReader images_, external_;
     std::vector<media::Image> sheet_;
 };
@@ -165,27 +181,14 @@ media::Image MatteMaker::read(ImageReader& reader, const Rig& rig, uint32_t came
     return reader.read(source, size_of_camera(rig, camera, source));
 }
 
-media::Image MatteMaker::external_matte(const Rig& rig, const Shot& shot) {
-    std::vector<ImageSource> candidates{{job_.from / (shot.name + ".png"), -1}};
-    if (shot.image.video_frame < 0) candidates.push_back({job_.from / shot.image.path.filename(), -1});
-    candidates.back().path.replace_extension(".png");
-    for (const char* extension : {".mov", ".webm", ".mkv", ".mp4"})
-        candidates.push_back(
-            {job_.from / (rig.cameras[shot.camera].name + extension), std::max<int64_t>(shot.image.video_frame, 0)});
-    std::error_code ignored;
-    for (const ImageSource& candidate : candidates)
-        if (std::filesystem::is_regular_file(candidate.path, ignored))
-            return read(external_, rig, shot.camera, candidate);
-    throw InputError(job_.from.string(), shot.name, fmt::format("there is no matte {}.png", shot.name),
-                     "name it after its image, or give a video named after its camera");
-}
-
-void MatteMaker::make_group(const Rig& rig, const std::vector<const Shot*>& shots, const media::Image& background,
-                            bool on_sheet) {
+void MatteMaker::make_group(const Rig& rig, const std::vector<const Shot*>& shots,
+                            const std::vector<ImageSource>& brought, const media::Image& background, bool on_sheet) {
     std::vector<media::Image> images, external;
     for (const Shot* shot : shots) {
         images.push_back(read(images_, rig, shot->camera, shot->image));
-        if (!job_.from.empty()) external.push_back(external_matte(rig, *shot));
+        if (!job_.from.empty())
+            external.push_back(
+                read(external_, rig, shot->camera, brought[static_cast<size_t>(shot - rig.shots.data())]));
         const media::Image& with = job_.from.empty() ? background : external.back();
         if (with.width != images.back().width || with.height != images.back().height)
             throw InputError(shot->image.path.string(), "",
@@ -196,11 +199,13 @@ void MatteMaker::make_group(const Rig& rig, const std::vector<const Shot*>& shot
     std::vector<std::vector<uint8_t>> mattes(shots.size());
     parallel_for(shots.size(), 1, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-            mattes[i] =
-                job_.from.empty() ? difference_matte(images[i], background, job_.settings) : values_of(external[i]);
+            mattes[i] = job_.from.empty() ? difference_matte(images[i], background, job_.settings)
+                                          : values_of(external[i], job_.inverted);
             media::write_png(job_.output / (shots[i]->name + ".png"), grey_image(images[i], mattes[i]));
         }
     });
+    for (size_t i = 0; i < external.size(); ++i)
+        white_borders_ += white_borders_of(mattes[i], external[i].width, external[i].height);
     if (!on_sheet) return;
     media::Image opaque = images[0];
     for (size_t i = 3; i < opaque.rgba.size(); i += 4) opaque.rgba[i] = 255;
@@ -226,16 +231,21 @@ MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress) {
         total += rig.shots.size();
         summary.cameras += static_cast<uint32_t>(rig.cameras.size());
     }
+    const std::vector<std::vector<ImageSource>> brought = job.from.empty()
+                                                              ? std::vector<std::vector<ImageSource>>(rigs.all.size())
+                                                              : find_brought_mattes(job.from, rigs.all);
     MatteMaker maker(job, progress, total, summary.cameras);
     bool go_on = true;
-    for (const Rig& rig : rigs.all) {
+    for (size_t r = 0; r < rigs.all.size(); ++r) {
+        const Rig& rig = rigs.all[r];
         const auto shots = shots_by_camera(rig);
         for (uint32_t camera = 0; camera < rig.cameras.size() && go_on; ++camera)
-            if (!shots[camera].empty()) go_on = maker.make(rig, camera, shots[camera]);
+            if (!shots[camera].empty()) go_on = maker.make(rig, camera, shots[camera], brought[r]);
     }
     maker.write_sheet();
     summary.images = maker.done();
     summary.cameras_with_plate = maker.plates();
+    summary.white_borders = maker.white_borders();
     summary.missing_split = rigs.missing;
     return summary;
 }

@@ -15,7 +15,8 @@ constexpr uint32_t kMinMedianFrames = 5;
 
 struct MatteJob {
     std::filesystem::path dataset, output;  // output: the folder of the mattes
-    std::filesystem::path from;             // mattes of another program, taken as they are; empty: difference matting
+    std::filesystem::path from;             // mattes of another program (brought_mattes.h); empty: difference matting
+    bool inverted = false;                  // whether those are black where the performer is
     std::string format = "auto";            // of the data set
     MatteSettings settings;
 };
@@ -23,7 +24,8 @@ struct MatteJob {
 struct MatteSummary {
     uint64_t images = 0;
     uint32_t cameras = 0, cameras_with_plate = 0;
-    Note missing_split;  // why one of the two splits was left out, as a data set need not have both; else empty
+    double white_borders = 0;  // of mattes of another program: which share of all images' borders is white
+    Note missing_split;        // why one of the two splits was left out, as a data set need not have both; else empty
 };
 
 // Receives how many images are done, and of how many; returns false to stop.
@@ -33,11 +35,11 @@ using MatteProgress = std::function<bool(uint64_t done, uint64_t total)>;
 // camera saw it (lens distortion is not undone), and output/contact_sheet.png with image, matte, and the performer over
 // magenta, for images spread over the cameras. A camera's background is its clean plate, else the median of its images.
 //
-// In `from`, the matte of image NAME is NAME.png, or the image's own file name as PNG, or the same frame of the video
-// CAMERA.mov, .webm, .mkv or .mp4. A matte's value is its alpha where it has one, else its brightness.
+// The value of a matte in `from` is its alpha where it has one, else its brightness.
 //
 // Throws InputError where neither split can be read, where a camera has no plate and fewer than kMinMedianFrames
-// images, where two images have one name, and where a matte in `from` is missing or has not the size of its image;
+// images, where two images have one name, where find_brought_mattes does, and where a matte in `from` has not the size
+// of its image;
 // RuntimeFailure where a file cannot be written.
 MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress);
 
