@@ -14,8 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kImageEndings[] = {".png", ".PNG", ".jpg", ".JPG", ".jpeg", ".JPEG"};
-constexpr const char* kVideoEndings[] = {".mov", ".webm", ".mkv", ".mp4"};
+constexpr const char* kMatteEndings[] = {".png", ".PNG", ".jpg", ".JPG", ".jpeg", ".JPEG"};
+constexpr const char* kMatteVideoEndings[] = {".mov", ".webm", ".mkv", ".mp4"};
 
 // The paths of all files in a folder and below it, relative to it.
 std::set<std::string> files_in(const fs::path& folder) {
@@ -55,7 +55,7 @@ std::vector<std::string> names_of(const Rig& rig, const Shot& shot) {
 
 std::string find_image(const std::set<std::string>& files, const std::vector<std::string>& names) {
     for (const std::string& name : names)
-        for (const char* ending : kImageEndings)
+        for (const char* ending : kMatteEndings)
             if (files.contains(name + ending)) return name + ending;
     return "";
 }
@@ -75,7 +75,7 @@ std::vector<int64_t> places_in_time(const Rig& rig) {
 ImageSource find_matte(const fs::path& folder, const std::set<std::string>& files, const Rig& rig, const Shot& shot,
                        int64_t place_in_time) {
     if (const std::string name = find_image(files, names_of(rig, shot)); !name.empty()) return {folder / name, -1};
-    for (const char* ending : kVideoEndings)
+    for (const char* ending : kMatteVideoEndings)
         if (const std::string name = rig.cameras[shot.camera].name + ending; files.contains(name))
             return {folder / name, shot.image.video_frame >= 0 ? shot.image.video_frame : place_in_time};
     throw InputError(
