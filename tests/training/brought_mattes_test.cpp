@@ -1,6 +1,7 @@
 // Which file of another program is the matte of which image.
 #include "training/data/brought_mattes.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/platform.h"
@@ -29,7 +30,7 @@ struct BroughtMattes : ::testing::Test {
                 const std::string file = "000" + std::to_string(frame);
                 rig.shots.push_back({.camera = camera,
                                      .time = frame / 2.0,
-                                     .name = "images_" + name + "_" + file,
+                                     .name = fmt::format("images_{}_{}", name, file),
                                      .image = {rig.folder / "images" / name / (file + ".jpg")}});
             }
         }

@@ -46,7 +46,7 @@ std::vector<std::string> names_of(const Rig& rig, const Shot& shot) {
     const std::string stem = path.stem().string(), camera = rig.cameras[shot.camera].name;
     for (; !path.empty(); path = without_first(path)) {
         if (!path.has_parent_path())
-            for (const char* joint : {"/", "_", "-"}) names.push_back(camera + joint + stem);
+            for (const char* joint : {"/", "_", "-"}) names.push_back(fmt::format("{}{}{}", camera, joint, stem));
         names.push_back(fs::path(path).replace_extension().generic_string());
         names.push_back(path.generic_string());
     }
