@@ -13,8 +13,8 @@ namespace neuvv::tools {
 
 namespace {
 
-// Key points are what a detector found in the images.
-constexpr const char* kFolders[] = {"images", "plates", "key_points"};
+// Key points are what a detector found in the images, mattes what was made of them.
+constexpr const char* kFolders[] = {"images", "plates", "key_points", "mattes"};
 constexpr const char* kFiles[] = {"skeleton.glb", "transforms_test.json",
                                   "transforms_train.json"};  // the last are last
 
@@ -30,19 +30,34 @@ std::vector<std::filesystem::path> captured_files(const std::filesystem::path& f
 
 }  // namespace
 
+UnfinishedFiles::UnfinishedFiles(std::filesystem::path folder) : folder_(std::move(folder)) {
+    std::error_code ignored;
+    std::filesystem::remove_all(path(), ignored);
+    prepare_output_folder("--output", path());
+}
+
+UnfinishedFiles::~UnfinishedFiles() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path(), ignored);
+}
+
+void UnfinishedFiles::finish() const {
+    try {
+        std::vector<std::filesystem::path> files;
+        for (const auto& entry : std::filesystem::directory_iterator(path())) files.push_back(entry.path());
+        for (const std::filesystem::path& file : files) std::filesystem::rename(file, folder_ / file.filename());
+    } catch (const std::filesystem::filesystem_error& error) {
+        throw RuntimeFailure(fmt::format("{}: cannot be written: {}", folder_.string(), error.code().message()));
+    }
+}
+
 UnfinishedFolder::UnfinishedFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
     prepare_results("--output", folder_, {std::begin(kFiles), std::end(kFiles)});
     std::error_code error;
     for (const char* name : kFolders)
         if (std::filesystem::exists(folder_ / name, error) && !std::filesystem::is_empty(folder_ / name, error))
             expect_replaceable("--output", folder_ / name);
-    std::filesystem::remove_all(path(), error);  // of a program that was killed
-    prepare_output_folder("--output", path());
-}
-
-UnfinishedFolder::~UnfinishedFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path(), ignored);
+    files_.emplace(folder_);
 }
 
 void UnfinishedFolder::finish() const {

@@ -1,27 +1,43 @@
-// A folder of a capture, or of views of a clip, that is being made: its files get their places when all of them are
-// there.
+// Folders whose files get their places when all of them are there.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 namespace neuvv::tools {
 
-// The folder `unfinished` in the folder of the capture. It is removed at the end.
-class UnfinishedFolder {
+// The folder `unfinished` in another one. It is removed at the end.
+class UnfinishedFiles {
   public:
-    // Throws InputError where the folder holds a file of a capture, other images, plates or key points, unless
-    // --overwrite says that it is replaced.
-    explicit UnfinishedFolder(std::filesystem::path folder);
-    UnfinishedFolder(const UnfinishedFolder&) = delete;
-    UnfinishedFolder& operator=(const UnfinishedFolder&) = delete;
-    ~UnfinishedFolder();
+    // Removes what a program that was killed left there. Throws InputError where the folder cannot be made.
+    explicit UnfinishedFiles(std::filesystem::path folder);
+    UnfinishedFiles(const UnfinishedFiles&) = delete;
+    UnfinishedFiles& operator=(const UnfinishedFiles&) = delete;
+    ~UnfinishedFiles();
 
     std::filesystem::path path() const { return folder_ / "unfinished"; }
-    // Removes the files of an earlier capture, and moves those of this one into their places. Throws RuntimeFailure.
+    // Moves the files into the folder, over those of the same names. Throws RuntimeFailure.
     void finish() const;
 
   private:
     std::filesystem::path folder_;
+};
+
+// A capture, or views of a clip, that are being made.
+class UnfinishedFolder {
+  public:
+    // Throws InputError where the folder holds a file of a capture, other images, plates, key points or mattes, unless
+    // --overwrite says that it is replaced.
+    explicit UnfinishedFolder(std::filesystem::path folder);
+
+    std::filesystem::path path() const { return files_->path(); }
+    // Removes the files of an earlier capture, mattes of its images included, and moves those of this one into their
+    // places. Throws RuntimeFailure.
+    void finish() const;
+
+  private:
+    std::filesystem::path folder_;
+    std::optional<UnfinishedFiles> files_;  // once it is known that the folder may be written
 };
 
 }  // namespace neuvv::tools

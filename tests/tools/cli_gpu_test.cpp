@@ -463,7 +463,11 @@ TEST_F(CliGpu, ACaptureReplacesAnotherOnceItIsWhole) {
         std::erase_if(left, [](const auto& one) { return one.first.starts_with("unfinished/"); });
         EXPECT_EQ(left, old);
     }
+    std::filesystem::create_directories(file("data/mattes"));
+    write_text(file("data/mattes/c00_f000.png"), "of the old image");
     ASSERT_EQ(run_neuvv(capture("5", "1")).code, 0);
+    EXPECT_FALSE(std::filesystem::exists(file("data/mattes/c00_f000.png")))
+        << "it would overrule the new image's alpha";
     EXPECT_FALSE(std::filesystem::exists(file("data/unfinished"))) << "what a killed program leaves is removed";
     const auto now = contents_of(file("data"));
     for (const auto& [name, content] : now) {

@@ -124,6 +124,36 @@ TEST_F(DatasetVerb, SaysWhichMattesCountAndMatteLeavesThem) {
     EXPECT_EQ(field(say({"--holdout", "0"}), "train"), "9 cameras: eye0 eye1 eye2 eye3 eye4 eye5 eye6 eye7 eye8");
 }
 
+// Mattes that are corrected by hand are the work of hours.
+TEST_F(DatasetVerb, MattesAreReplacedAllOrNone) {
+    write_colmap_capture();
+    const std::filesystem::path data = folder.path / "data", mattes = data / "mattes", from = folder.path / "from";
+    const auto bring = [&](int i, uint32_t width, uint8_t value) {
+        test::write_grey_png(from / fmt::format("eye{}.png", i), width, 48, value);
+    };
+    const std::vector<std::string> command{"matte", data.string(), "--from", from.string()};
+    const auto expect_failure = [](const std::vector<std::string>& arguments) {
+        const ProgramResult result = run_neuvv(arguments);  // after some progress
+        EXPECT_EQ(result.code, 2) << result.err;
+        EXPECT_NE(result.err.find("eye8.png: is 63×48"), std::string::npos) << result.err;
+    };
+    for (int i = 0; i < 9; ++i) bring(i, i == 8 ? 63 : 64, 255);
+    expect_failure(command);
+    EXPECT_TRUE(!std::filesystem::exists(mattes) || std::filesystem::is_empty(mattes)) << "no half of a set";
+    bring(8, 64, 255);
+    ASSERT_EQ(run_neuvv(command).code, 0) << "the same command begins anew";
+    for (int i = 0; i < 9; ++i) bring(i, i == 8 ? 63 : 64, 0);
+    std::vector<std::string> again = command;
+    again.push_back("--overwrite");
+    expect_failure(again);
+    size_t white = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(mattes)) {
+        EXPECT_TRUE(entry.is_regular_file()) << entry.path();
+        if (entry.path().stem() != "contact_sheet") white += media::read_png(entry.path()).at(0, 0)[0] == 255;
+    }
+    EXPECT_EQ(white, 9u) << "those of before";
+}
+
 TEST_F(DatasetVerb, TheImagesOfAPhoneAreSaidToBeAStill) {
     for (int i = 0; i < 2; ++i) {
         const auto keyframes = folder.path / "data" / "keyframes";

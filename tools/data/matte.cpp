@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "base/error.h"
 #include "base/output_path.h"
@@ -14,6 +15,7 @@
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/say.h"
+#include "tools/unfinished_folder.h"
 #include "training/data/layouts/formats.h"
 #include "training/data/make_mattes.h"
 
@@ -61,7 +63,8 @@ void run_matte(MatteOptions options) {
         throw InputError(what.output.string(), "", "holds mattes of this data set already, perhaps corrected by hand",
                          "--overwrite replaces them");
     if (!options.overrule) expect_no_mattes(what);
-    prepare_output_folder("--output", what.output);
+    const UnfinishedFiles unfinished(what.output);
+    const std::filesystem::path output = std::exchange(what.output, unfinished.path());
     catch_stop_signals();
     Progress progress("matte");
     const training::MatteSummary made = training::make_mattes(what, [&](uint64_t done, uint64_t total) {
@@ -70,14 +73,15 @@ void run_matte(MatteOptions options) {
         return !stop_requested();
     });
     progress.finish();
+    if (stop_requested()) throw RuntimeFailure("stopped before the end; the mattes are as they were before");
+    unfinished.finish();
     if (!made.missing_split.empty())
         say("one split alone has mattes now, the other cannot be read: {}\n", message_of(made.missing_split));
     tell("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",
-         made.images, made.cameras, made.cameras_with_plate, what.output.string());
+         made.images, made.cameras, made.cameras_with_plate, output.string());
     if (made.white_borders > 0.5)
         say("these mattes are white along the borders of the images, as if white were the background: {}\n",
             what.inverted ? "leave --invert out if it is" : "add --invert if it is");
-    if (stop_requested()) throw RuntimeFailure("stopped before the end; the same command with --overwrite begins anew");
 }
 
 }  // namespace
