@@ -53,7 +53,7 @@ struct RuntimeFailure : Failure {
     explicit RuntimeFailure(const std::string& cause, const Fix& fix = {}) : Failure(cause, fix, false) {}
 };
 
-// What a user should know of what went on all the same, such as why a part is left out. Empty: nothing.
+// What a user should know although nothing failed, such as why a part is not shown. Without text: nothing.
 struct Note {
     std::string text;
     Fix fix;

@@ -11,10 +11,10 @@ constexpr auto kPresentTimeout = std::chrono::milliseconds(30);
 
 }  // namespace
 
-void RenderQueue::change(const std::function<void()>& change) {
+void RenderQueue::change(const std::function<void()>& set) {
     {
         const std::lock_guard lock(mutex_);
-        change();
+        set();
     }
     changed_.notify_all();
 }

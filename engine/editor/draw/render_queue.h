@@ -98,8 +98,8 @@ class RenderQueue {
 
   private:
     RenderJob take(const Ready& ready);
-    // Runs `change` under the lock and wakes next().
-    void change(const std::function<void()>& change);
+    // Calls `set` under the lock, and wakes next().
+    void change(const std::function<void()>& set);
 
     mutable std::mutex mutex_;
     std::condition_variable changed_;

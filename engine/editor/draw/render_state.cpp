@@ -13,33 +13,33 @@ uint64_t RenderState::displayed_number() const {
     return state_.displayed.number;
 }
 
-void RenderState::change(const std::function<void(RenderThreadState&)>& change) {
+void RenderState::change(const std::function<void(RenderThreadState&)>& set) {
     const std::lock_guard lock(mutex_);
-    change(state_);
+    set(state_);
 }
 
-void RenderState::tell(const std::function<void(RenderThreadState&)>& what) {
-    change(what);
+void RenderState::report(const std::function<void(RenderThreadState&)>& set) {
+    change(set);
     wake_();
 }
 
 void RenderState::publish(DisplayedImage displayed) {
-    tell([&](RenderThreadState& state) {
+    report([&](RenderThreadState& state) {
         displayed.number = state.displayed.number + 1;
         state.displayed = std::move(displayed);
     });
 }
 
-void RenderState::tell_progress(const std::string& file, size_t done, size_t of) {
-    tell([&](RenderThreadState& state) {
+void RenderState::report_progress(const std::string& file, size_t done, size_t of) {
+    report([&](RenderThreadState& state) {
         state.loading = file;
         state.files_read = done;
         state.files = of;
     });
 }
 
-void RenderState::tell_problem(const std::string& problem, uint64_t unsound_id) {
-    tell([&](RenderThreadState& state) {
+void RenderState::report_problem(const std::string& problem, uint64_t unsound_id) {
+    report([&](RenderThreadState& state) {
         state.loading.clear();
         state.problem = problem;
         if (unsound_id) state.unsound_id = unsound_id;

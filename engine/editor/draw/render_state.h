@@ -52,22 +52,22 @@ struct RenderThreadState {
 // The newest RenderThreadState. Every function may be called on any thread.
 class RenderState {
   public:
-    // `wake` is called after tell() and publish(), on the thread that calls these.
+    // `wake` is called after report() and publish(), on the thread that calls these.
     explicit RenderState(std::function<void()> wake) : wake_(std::move(wake)) {}
 
     // A copy. Throws the exception that ended the render thread, where one did.
     RenderThreadState now() const;
     uint64_t displayed_number() const;
 
-    void change(const std::function<void(RenderThreadState&)>& change);
-    // Changes and wakes.
-    void tell(const std::function<void(RenderThreadState&)>& change);
+    // Calls `set` under the lock, to change what now() returns; report() then calls `wake`, too.
+    void change(const std::function<void(RenderThreadState&)>& set);
+    void report(const std::function<void(RenderThreadState&)>& set);
     // Displays an image, which gets the next number.
     void publish(DisplayedImage displayed);
     // That clips of `file` are being read, of which `done` of `of` are there.
-    void tell_progress(const std::string& file, size_t done, size_t of);
+    void report_progress(const std::string& file, size_t done, size_t of);
     // Why the newest stage, image or task failed. `unsound_id`: of the document, where it is not sound; else 0.
-    void tell_problem(const std::string& problem, uint64_t unsound_id);
+    void report_problem(const std::string& problem, uint64_t unsound_id);
     // The render thread has ended by this exception; null: it begins again.
     void set_failure(std::exception_ptr failure);
     void wake() const { wake_(); }

@@ -57,12 +57,12 @@ void RenderThread::run() {
             do_job(*job);
         } catch (const InputError& error) {
             views_.stop_refining();
-            state_.tell_problem(error.what(), 0);
+            state_.report_problem(error.what(), 0);
         } catch (const RuntimeFailure& error) {
             views_.stop_refining();
             const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&error);
             if (vulkan && vulkan->device_lost()) throw;
-            state_.tell_problem(error.what(), 0);
+            state_.report_problem(error.what(), 0);
         }
     }
 }

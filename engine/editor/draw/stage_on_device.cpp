@@ -49,7 +49,7 @@ bool StageOnDevice::show_waiting(VkExtent2D size) {
         if (read) read->expect_read();
         load(*waiting, size);
     } catch (const InputError& error) {
-        state_.tell_problem(error.what(), is_sound(*waiting->document) ? 0 : waiting->id);
+        state_.report_problem(error.what(), is_sound(*waiting->document) ? 0 : waiting->id);
         return false;
     }
     return true;
@@ -69,16 +69,16 @@ bool StageOnDevice::begin_reading(const ShownDocument& document) {
         return std::ranges::find(stage_->clips, clip, &stage::StageClip::path) != stage_->clips.end();
     });
     if (unknown.empty() || (preload_ && preload_->is_done() && preload_->clips() == unknown)) return false;
-    state_.tell_progress(unknown[0].filename().string(), 0, unknown.size());
+    state_.report_progress(unknown[0].filename().string(), 0, unknown.size());
     waiting_ = document;
     if (preload_ && !preload_->is_done()) return true;
-    const auto each = [this, unknown](size_t read) { tell_read(unknown, read); };
+    const auto each = [this, unknown](size_t read) { report_read(unknown, read); };
     preload_ = std::make_unique<render::ClipPreload>(loader_->files(), unknown, each, clips_read_);
     return true;
 }
 
 // On the thread that reads. Says nothing where another document waits by now, or none, whose clips are others.
-void StageOnDevice::tell_read(const std::vector<std::filesystem::path>& clips, size_t read) {
+void StageOnDevice::report_read(const std::vector<std::filesystem::path>& clips, size_t read) {
     bool is_current = false;
     state_.change([&](RenderThreadState& state) {
         is_current = state.loading == clips[read - 1].filename() && state.files == clips.size();
@@ -93,10 +93,10 @@ void StageOnDevice::tell_read(const std::vector<std::filesystem::path>& clips, s
 void StageOnDevice::load(const ShownDocument& document, VkExtent2D size) {
     const auto before = std::exchange(document_, document.document);
     try {
-        bring(*document.document, size);
+        bring_to_device(*document.document, size);
     } catch (const InputError& error) {
         document_ = before;
-        return state_.tell_problem(error.what(), is_sound(*document.document) ? 0 : document.id);
+        return state_.report_problem(error.what(), is_sound(*document.document) ? 0 : document.id);
     } catch (...) {
         document_ = before;
         throw;
@@ -112,13 +112,13 @@ void StageOnDevice::load(const ShownDocument& document, VkExtent2D size) {
             state.leaf_boxes.push_back(renderer_->leaf_box(clip));
         state.displayed.finished = false;
     });
-    tell_unreadable_segments();
+    report_unreadable_segments();
     state_.wake();
 }
 
-void StageOnDevice::bring(const edit::Document& document, VkExtent2D size) {
+void StageOnDevice::bring_to_device(const edit::Document& document, VkExtent2D size) {
     const auto progress = [this, file = document.file.path.filename().string()](size_t done, size_t of) {
-        state_.tell_progress(file, done, of);
+        state_.report_progress(file, done, of);
     };
     auto stage = std::make_shared<const stage::Stage>(stage::make_stage(document.file, stage_.get()));
     if (renderer_) {
@@ -159,7 +159,7 @@ void StageOnDevice::fit(VkExtent2D size) {
     renderer_->resize(capacity_.width, capacity_.height);
 }
 
-void StageOnDevice::tell_unreadable_segments() {
+void StageOnDevice::report_unreadable_segments() {
     const std::vector<Note> problems = renderer_->take_problems();
     if (problems.empty()) return;
     state_.change([&](RenderThreadState& state) { state.problem = problems[0].words(); });
@@ -171,7 +171,7 @@ std::string StageOnDevice::replace_shaders(const gpu::ShaderReplacements& shader
     device_.shaders().set(shaders);
     const VkExtent2D capacity = capacity_;
     std::unique_ptr<render::StageRenderer> last = std::move(renderer_);
-    const auto progress = [this](size_t done, size_t of) { state_.tell_progress("shaders", done, of); };
+    const auto progress = [this](size_t done, size_t of) { state_.report_progress("shaders", done, of); };
     std::string problem;
     try {
         if (stage_) make_renderer(*stage_, progress, size);

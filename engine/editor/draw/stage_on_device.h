@@ -41,7 +41,7 @@ class StageOnDevice {
     // Makes room for images of this size.
     void fit(VkExtent2D size);
     // Says in the state which segment cannot be read, where that is newly known of one.
-    void tell_unreadable_segments();
+    void report_unreadable_segments();
 
     // Makes the passes anew from other shaders, in a renderer that reads its clips again, and calls `draw`, because
     // some passes are made only when they are first needed. Returns why that failed; then the last ones stay.
@@ -51,9 +51,9 @@ class StageOnDevice {
   private:
     bool begin_reading(const ShownDocument& document);
     void load(const ShownDocument& document, VkExtent2D size);
-    void bring(const edit::Document& document, VkExtent2D size);
+    void bring_to_device(const edit::Document& document, VkExtent2D size);
     void make_renderer(const stage::Stage& stage, const render::StageLoader::Loaded& progress, VkExtent2D size);
-    void tell_read(const std::vector<std::filesystem::path>& clips, size_t read);
+    void report_read(const std::vector<std::filesystem::path>& clips, size_t read);
     bool is_sound(const edit::Document& document) const;
 
     const gpu::Device& device_;

@@ -95,7 +95,7 @@ void ViewDrawer::look_for_missing() {
     look_at_.reset();
     const stage::EvaluatedStage evaluated = stage::stage_at(stage_.stage(), view_->time_s);
     stage_.renderer().show(evaluated, !view_->overrides_background, render::MissingSegments::kHold);
-    stage_.tell_unreadable_segments();
+    stage_.report_unreadable_segments();
     if (stage_.renderer().shown(evaluated) != shown_ || stage_.renderer().shows_all(evaluated))
         draw_again();
     else
@@ -121,7 +121,7 @@ void ViewDrawer::draw_again() {
     const Clock::time_point begin = Clock::now();
     const stage::EvaluatedStage evaluated = stage::stage_at(stage_.stage(), view.time_s);
     stage_.renderer().show(evaluated, !view.overrides_background, render::MissingSegments::kHold);
-    stage_.tell_unreadable_segments();
+    stage_.report_unreadable_segments();
     render::FrameSettings settings = settings_at(evaluated);
     const bool lacks = !view.moving && !stage_.renderer().shows_all(evaluated);
     note_waiting(lacks || stage_.renderer().holds(evaluated), evaluated);
