@@ -132,6 +132,7 @@ TEST_F(DatasetVerb, MattesAreReplacedAllOrNone) {
         test::write_grey_png(from / fmt::format("eye{}.png", i), width, 48, value);
     };
     const std::vector<std::string> command{"matte", data.string(), "--from", from.string()};
+    const auto has_none = [&] { return !std::filesystem::exists(mattes) || std::filesystem::is_empty(mattes); };
     const auto expect_failure = [](const std::vector<std::string>& arguments) {
         const ProgramResult result = run_neuvv(arguments);  // after some progress
         EXPECT_EQ(result.code, 2) << result.err;
@@ -139,8 +140,13 @@ TEST_F(DatasetVerb, MattesAreReplacedAllOrNone) {
     };
     for (int i = 0; i < 9; ++i) bring(i, i == 8 ? 63 : 64, 255);
     expect_failure(command);
-    EXPECT_TRUE(!std::filesystem::exists(mattes) || std::filesystem::is_empty(mattes)) << "no half of a set";
-    bring(8, 64, 255);
+    EXPECT_TRUE(has_none()) << "no half of a set";
+    for (int i = 0; i < 9; ++i) bring(i, 64, 0);
+    const ProgramResult black = run_neuvv(command);
+    EXPECT_EQ(black.code, 2);
+    EXPECT_NE(black.err.find("no matte shows anything"), std::string::npos) << black.err;
+    EXPECT_TRUE(has_none());
+    for (int i = 0; i < 9; ++i) bring(i, 64, 255);
     ASSERT_EQ(run_neuvv(command).code, 0) << "the same command begins anew";
     for (int i = 0; i < 9; ++i) bring(i, i == 8 ? 63 : 64, 0);
     std::vector<std::string> again = command;

@@ -74,6 +74,11 @@ void run_matte(MatteOptions options) {
     });
     progress.finish();
     if (stop_requested()) throw RuntimeFailure("stopped before the end; the mattes are as they were before");
+    if (!made.shows_performer)
+        throw InputError(
+            what.from.empty() ? what.dataset.string() : what.from.string(), "",
+            "no matte shows anything of a performer, so none was written",
+            what.from.empty() ? "lower --threshold, or give clean plates" : "--invert takes black for white");
     unfinished.finish();
     if (!made.missing_split.empty())
         say("one split alone has mattes now, the other cannot be read: {}\n", message_of(made.missing_split));

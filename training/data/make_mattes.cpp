@@ -138,6 +138,7 @@ class MatteMaker {
     }
     uint64_t done() const { return done_; }
     uint32_t plates() const { return plates_; }
+    bool shows_performer() const { return shows_performer_; }
     double white_borders() const { return done_ > 0 ? white_borders_ / static_cast<double>(done_) : 0; }
 
   private:
@@ -151,6 +152,7 @@ class MatteMaker {
     uint64_t total_, done_ = 0;
     size_t sheet_every_, cameras_ = 0;
     uint32_t plates_ = 0;
+    bool shows_performer_ = false;
     double white_borders_ = 0;  // the sum over all mattes of another program
     ImageReader images_, external_;
     std::vector<media::Image> sheet_;
@@ -204,6 +206,8 @@ void MatteMaker::make_group(const Rig& rig, const std::vector<const Shot*>& shot
             media::write_png(job_.output / (shots[i]->name + ".png"), grey_image(images[i], mattes[i]));
         }
     });
+    for (const std::vector<uint8_t>& matte : mattes)
+        shows_performer_ = shows_performer_ || std::ranges::any_of(matte, [](uint8_t value) { return value >= 128; });
     for (size_t i = 0; i < external.size(); ++i)
         white_borders_ += white_borders_of(mattes[i], external[i].width, external[i].height);
     if (!on_sheet) return;
@@ -245,6 +249,7 @@ MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress) {
     maker.write_sheet();
     summary.images = maker.done();
     summary.cameras_with_plate = maker.plates();
+    summary.shows_performer = maker.shows_performer();
     summary.white_borders = maker.white_borders();
     summary.missing_split = rigs.missing;
     return summary;

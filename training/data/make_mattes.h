@@ -24,8 +24,9 @@ struct MatteJob {
 struct MatteSummary {
     uint64_t images = 0;
     uint32_t cameras = 0, cameras_with_plate = 0;
-    double white_borders = 0;  // of mattes of another program: which share of all images' borders is white
-    Note missing_split;        // why one of the two splits was left out, as a data set need not have both; else empty
+    bool shows_performer = false;  // whether any pixel of any matte counts as performer
+    double white_borders = 0;      // of mattes of another program: which share of all images' borders is white
+    Note missing_split;  // why one of the two splits was left out, as a data set need not have both; else empty
 };
 
 // Receives how many images are done, and of how many; returns false to stop.
