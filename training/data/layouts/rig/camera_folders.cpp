@@ -3,13 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <set>
-#include <span>
 
 #include "base/error.h"
-#include "base/text.h"
-#include "media/video.h"
 #include "training/data/layouts/rig/calibration.h"
 #include "training/data/layouts/rig/candidates.h"
 #include "training/data/layouts/rig/clip_times.h"
@@ -18,89 +14,6 @@
 namespace neuvv::training {
 
 namespace {
-
-constexpr const char* kImageEndings[] = {".png", ".jpg", ".jpeg"};
-constexpr const char* kVideoEndings[] = {".mp4", ".mkv", ".mov",  ".avi", ".webm", ".m4v", ".mts", ".m2ts",
-                                         ".ts",  ".mpg", ".mpeg", ".mxf", ".wmv",  ".3gp", ".ogv", ".flv"};
-
-bool is_digit(char c) {
-    return std::isdigit(static_cast<unsigned char>(c)) != 0;
-}
-
-// The digits at `at` without leading zeros; moves `at` behind them.
-std::string_view take_digits(const std::string& text, size_t& at) {
-    const size_t begin = at;
-    while (at < text.size() && is_digit(text[at])) ++at;
-    std::string_view digits = std::string_view(text).substr(begin, at - begin);
-    digits.remove_prefix(std::min(digits.find_first_not_of('0'), digits.size()));
-    return digits;
-}
-
-std::string lower_extension(const std::filesystem::path& path) {
-    return lower_case(path.extension().string());
-}
-
-bool is_image(const std::filesystem::path& path) {
-    return std::ranges::find(kImageEndings, lower_extension(path)) != std::end(kImageEndings);
-}
-
-std::string upper_case(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    return text;
-}
-
-// The file of this name with this ending, in whatever letters the ending is written.
-std::filesystem::path find_file(const std::filesystem::path& folder, const std::string& stem,
-                                const std::string& ending) {
-    std::error_code ignored;
-    for (const std::string& as_written : {ending, upper_case(ending)})
-        if (auto path = folder / (stem + as_written); std::filesystem::is_regular_file(path, ignored)) return path;
-    return {};
-}
-
-// The file of this name with one of these endings. Throws InputError where there are two.
-std::filesystem::path find_file(const std::filesystem::path& folder, const std::string& stem,
-                                std::span<const char* const> endings) {
-    std::filesystem::path found;
-    for (const char* ending : endings) {
-        const std::filesystem::path file = find_file(folder, stem, ending);
-        if (!file.empty() && !found.empty())
-            throw InputError(file.string(), "", fmt::format("is named like {}", found.filename().string()),
-                             "keep the one that counts");
-        if (!file.empty()) found = file;
-    }
-    if (!found.empty()) return found;
-    for (const auto& entry : entries_of((folder / stem).parent_path()))  // as ".Mp4"
-        if (entry.stem() == std::filesystem::path(stem).filename() &&
-            std::ranges::find(endings, lower_extension(entry)) != endings.end())
-            return entry;
-    return {};
-}
-
-// The video <camera>.*, else the one whose name ends in _<camera>.
-std::filesystem::path find_video(const std::filesystem::path& folder, const std::string& camera) {
-    if (auto path = find_file(folder, camera, kVideoEndings); !path.empty()) return path;
-    std::filesystem::path found;
-    for (const auto& entry : entries_of(folder)) {
-        if (!is_video(entry) || !entry.stem().string().ends_with("_" + camera)) continue;
-        if (!found.empty())
-            throw InputError(entry.string(), "",
-                             fmt::format("is named after the camera {}, as is {}", camera, found.filename().string()),
-                             "keep one video a camera");
-        found = entry;
-    }
-    return found;
-}
-
-Frames still_in(const std::filesystem::path& folder, const std::string& camera) {
-    const std::filesystem::path file = find_file(folder, camera, kImageEndings);
-    return file.empty() ? Frames() : Frames{{kOnlyFrame, ImageSource{file, -1}}};
-}
-
-Frames still_of_camera(const std::filesystem::path& folder, const std::string& camera) {
-    Frames still = still_in(images_folder(folder).path, camera);
-    return still.empty() ? still_in(folder, camera) : still;
-}
 
 // The time of each frame's name.
 std::map<std::string, double, NaturalOrder> times_of(const std::vector<CameraFrames>& cameras) {
@@ -115,81 +28,6 @@ std::map<std::string, double, NaturalOrder> times_of(const std::vector<CameraFra
 
 }  // namespace
 
-bool NaturalOrder::operator()(const std::string& a, const std::string& b) const {
-    size_t i = 0, j = 0;
-    while (i < a.size() && j < b.size()) {
-        if (is_digit(a[i]) && is_digit(b[j])) {
-            const std::string_view x = take_digits(a, i), y = take_digits(b, j);
-            if (x.size() != y.size()) return x.size() < y.size();
-            if (x != y) return x < y;
-        } else {
-            if (a[i] != b[j]) return a[i] < b[j];
-            ++i, ++j;
-        }
-    }
-    const size_t a_left = a.size() - i, b_left = b.size() - j;
-    return a_left != b_left ? a_left < b_left : a < b;  // the last comparison tells "1" from "01"
-}
-
-Frames images_in(const std::filesystem::path& folder) {
-    Frames frames;
-    for (const auto& entry : entries_of(folder)) {
-        if (!is_image(entry)) continue;
-        const auto [same, fresh] = frames.try_emplace(entry.stem().string(), ImageSource{entry, -1});
-        if (!fresh)
-            throw InputError(entry.string(), "", fmt::format("is named like {}", same->second.path.filename().string()),
-                             "keep one image a frame");
-    }
-    return frames;
-}
-
-bool is_video(const std::filesystem::path& path) {
-    return std::ranges::find(kVideoEndings, lower_extension(path)) != std::end(kVideoEndings);
-}
-
-Frames frames_of_video(const std::filesystem::path& path) {
-    const media::VideoReader video(path);
-    Frames frames;
-    for (uint32_t i = 0; i < video.frames(); ++i) frames[fmt::format("{:06}", i)] = {path, i};
-    return frames;
-}
-
-Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera) {
-    for (const auto& candidate : {images_folder(folder).path / camera, folder / camera})
-        if (Frames frames = images_in(candidate); !frames.empty()) return frames;
-    for (const auto& candidate : {folder / "videos", folder})
-        if (const auto video = find_video(candidate, camera); !video.empty()) return frames_of_video(video);
-    return {};
-}
-
-bool has_images(const std::filesystem::path& folder, const std::string& camera) {
-    for (const auto& candidate : {images_folder(folder).path / camera, folder / camera})
-        if (!images_in(candidate).empty()) return true;
-    for (const auto& candidate : {folder / "videos", folder})
-        if (!find_video(candidate, camera).empty()) return true;
-    return !still_of_camera(folder, camera).empty();
-}
-
-ImageSource image_or_video(const std::filesystem::path& folder, const std::string& name) {
-    if (const auto image = find_file(folder, name, kImageEndings); !image.empty()) return {image, -1};
-    const auto video = find_video(folder, name);
-    return video.empty() ? ImageSource() : ImageSource{video, 0};
-}
-
-std::vector<std::string> videos_in(const std::filesystem::path& folder) {
-    std::set<std::string, NaturalOrder> names;
-    for (const auto& entry : entries_of(folder))
-        if (is_video(entry)) names.insert(entry.stem().string());
-    return {names.begin(), names.end()};
-}
-
-std::filesystem::path first_folder(const std::filesystem::path& folder, std::initializer_list<const char*> names) {
-    std::error_code ignored;
-    for (const char* name : names)
-        if (std::filesystem::is_directory(folder / name, ignored)) return folder / name;
-    return {};
-}
-
 void note_choices(Rig& rig, const std::vector<CameraFrames>& cameras) {
     std::string read, other;  // of the first camera with images in two places
     size_t count = 0;
@@ -198,14 +36,10 @@ void note_choices(Rig& rig, const std::vector<CameraFrames>& cameras) {
     for (const CameraFrames& camera : cameras) {
         if (camera.frames.empty()) continue;
         const ImageSource& first = camera.frames.begin()->second;
-        const std::string& name = camera.camera.name;
         const auto used = first.video_frame < 0 ? first.path.parent_path() : first.path;
         from_images |= first.path.string().starts_with(images.path.string() + "/");
-        for (const auto& place :
-             {images.path / name, rig.folder / name, find_file(rig.folder / "videos", name, kVideoEndings),
-              find_file(rig.folder, name, kVideoEndings)}) {
-            if (place.empty() || place == used || (!is_video(place) && images_in(place).empty())) continue;
-            if (count++ > 0) continue;
+        for (const auto& place : places_of_camera(rig.folder, camera.camera.name)) {
+            if (place == used || count++ > 0) continue;
             read = used.lexically_relative(rig.folder).string();
             other = place.lexically_relative(rig.folder).string();
         }
@@ -222,46 +56,6 @@ void note_mask_folders(Rig& rig) {
     for (const char* name : {"masks", "mask", "mask_cihp"})
         if (std::filesystem::is_directory(rig.folder / name, ignored)) found.push_back(std::string(name) + "/");
     if (found.size() > 1) rig.remarks.push_back(choice_remark(found[0], {found.begin() + 1, found.end()}));
-}
-
-std::filesystem::path masks_folder(const std::filesystem::path& folder) {
-    return first_folder(folder, {"masks", "mask", "mask_cihp"});
-}
-
-std::string without_extension(const std::string& name) {
-    const std::filesystem::path path(name);
-    const std::string extension = lower_extension(path);
-    const bool other = extension == ".tif" || extension == ".tiff" || extension == ".exr" || extension == ".dng";
-    return other || is_image(path) || is_video(path) ? name.substr(0, name.size() - extension.size()) : name;
-}
-
-Frames masks_of_camera(const std::filesystem::path& masks, const std::string& camera, const Frames& frames) {
-    Frames found = images_in(masks / camera);
-    if (found.empty()) {
-        const auto video = find_video(masks, camera);
-        if (video.empty())
-            throw InputError((masks / camera).string(), "", "holds no masks",
-                             "give every camera masks, or take the masks' folder away");
-        Frames in_order;
-        const Frames of_video = frames_of_video(video);
-        if (of_video.size() != frames.size())
-            throw InputError(video.string(), "",
-                             fmt::format("has {} frames, but its camera {}", of_video.size(), frames.size()),
-                             "give every frame its mask");
-        auto mask = of_video.begin();
-        for (const auto& [name, image] : frames) in_order[name] = (mask++)->second;
-        return in_order;
-    }
-    Frames result;
-    for (const auto& [name, image] : frames) {
-        auto mask = found.find(name);
-        if (mask == found.end()) mask = found.find(image.path.filename().string());  // COLMAP's "a.jpg.png"
-        if (mask == found.end())
-            throw InputError((masks / camera).string(), "", fmt::format("has no mask {}.png", name),
-                             "give every frame its mask, named as the image");
-        result[name] = mask->second;
-    }
-    return result;
 }
 
 void name_by_time(Rig& rig, std::vector<CameraFrames>& cameras) {

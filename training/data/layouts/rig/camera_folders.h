@@ -1,67 +1,19 @@
 // Images of a capture that are stored by camera: images/<camera>/<frame>.jpg or videos/<camera>.mp4, and masks alike.
 #pragma once
 
-#include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
+#include "training/data/layouts/rig/image_files.h"
 #include "training/data/layouts/rig/rig.h"
 
 namespace neuvv::training {
-
-// Orders names so that numbers in them count by their value: "f2" comes before "f10".
-struct NaturalOrder {
-    bool operator()(const std::string& a, const std::string& b) const;
-};
-
-// Images by the name of their frame: the file name without extension, or the number of a video's frame in six digits.
-using Frames = std::map<std::string, ImageSource, NaturalOrder>;
-
-// The .png, .jpg and .jpeg files of a folder, hidden ones left out; empty where it has none. Throws InputError where
-// two have one name.
-Frames images_in(const std::filesystem::path& folder);
-
-bool is_video(const std::filesystem::path& path);  // by its extension
-// All frames of a video.
-Frames frames_of_video(const std::filesystem::path& path);
-
-// The frames in the first of images/<camera>/ (or images_2/<camera>/ …: candidates.h), <camera>/, videos/<camera>.* and
-// <camera>.* that exists; empty where none does. A video may have a longer name that ends in _<camera>, as Qualisys
-// gives it. Throws InputError where two videos have such names.
-Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera);
-
-// The image <name>.*, else the video <name>.* or *_<name>.* at its first frame; an empty path where there is neither.
-ImageSource image_or_video(const std::filesystem::path& folder, const std::string& name);
-
-// The names of a folder's videos, without extension, in natural order.
-std::vector<std::string> videos_in(const std::filesystem::path& folder);
-
-// The path of the first of `names` that is a folder inside `folder`; empty where none is.
-std::filesystem::path first_folder(const std::filesystem::path& folder, std::initializer_list<const char*> names);
-
-// Whether find_images finds images of the camera, whose name must be inside the data set's folder (expect_inside). No
-// video is opened.
-bool has_images(const std::filesystem::path& folder, const std::string& camera);
-
-// A mask for each of the frames: from masks/<camera>/, matched by the frame's name or by its file's ("0.jpg.png", as
-// COLMAP names masks), or from a video masks/<camera>.*, matched by order. Throws InputError where a mask is missing.
-Frames masks_of_camera(const std::filesystem::path& masks, const std::string& camera, const Frames& frames);
-
-// The folder of the masks of a data set: masks, mask or mask_cihp; empty where there is none.
-std::filesystem::path masks_folder(const std::filesystem::path& folder);
-
-// The name without the extension of an image or a video, which some programs leave in the names of their cameras.
-std::string without_extension(const std::string& name);
 
 // A camera as a calibration describes it, before its images are looked for. Its name is that of its images.
 struct CalibratedCamera {
     RigCamera camera;
     std::string place;  // where in rig.file the camera stands, for errors
 };
-
-// The name of a camera's frame where it has only one image.
-constexpr const char* kOnlyFrame = "0";
 
 // A remark about captures of one camera that moved.
 constexpr const char* kOneMoment =

@@ -1,0 +1,68 @@
+// The files of images, masks and videos, and where a data set has those of a camera.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "training/data/layouts/rig/rig.h"
+
+namespace neuvv::training {
+
+// Orders names so that numbers in them count by their value: "f2" comes before "f10".
+struct NaturalOrder {
+    bool operator()(const std::string& a, const std::string& b) const;
+};
+
+// Images by the name of their frame: the file name without extension, or the number of a video's frame in six digits.
+using Frames = std::map<std::string, ImageSource, NaturalOrder>;
+
+// The .png, .jpg and .jpeg files of a folder, hidden ones left out; empty where it has none. Throws InputError where
+// two have one name.
+Frames images_in(const std::filesystem::path& folder);
+
+bool is_video(const std::filesystem::path& path);  // by its extension
+// All frames of a video.
+Frames frames_of_video(const std::filesystem::path& path);
+
+// The name of a camera's frame where it has only one image.
+constexpr const char* kOnlyFrame = "0";
+
+// The one image <camera>.* of the folder, as kOnlyFrame; empty where there is none.
+Frames still_in(const std::filesystem::path& folder, const std::string& camera);
+// That of images/, else of the folder itself.
+Frames still_of_camera(const std::filesystem::path& folder, const std::string& camera);
+
+// The folders and the videos in which a camera may have its images and has some: images/<camera>/ (or
+// images_2/<camera>/ …: candidates.h), <camera>/, videos/<camera>.* and <camera>.*. A video may have a longer name that
+// ends in _<camera>, as Qualisys gives it.
+std::vector<std::filesystem::path> places_of_camera(const std::filesystem::path& folder, const std::string& camera);
+
+// The frames in the first of these places; empty where there is none. Throws InputError where that is two videos.
+Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera);
+
+// The image <name>.*, else the video <name>.* or *_<name>.* at its first frame; an empty path where there is neither.
+ImageSource image_or_video(const std::filesystem::path& folder, const std::string& name);
+
+// The names of a folder's videos, without extension, in natural order.
+std::vector<std::string> videos_in(const std::filesystem::path& folder);
+
+// The path of the first of `names` that is a folder inside `folder`; empty where none is.
+std::filesystem::path first_folder(const std::filesystem::path& folder, std::initializer_list<const char*> names);
+
+// Whether find_images (camera_folders.h) finds images of the camera, whose name must be inside the data set's folder
+// (expect_inside). No video is opened.
+bool has_images(const std::filesystem::path& folder, const std::string& camera);
+
+// A mask for each of the frames: from masks/<camera>/, matched by the frame's name or by its file's ("0.jpg.png", as
+// COLMAP names masks), or from a video masks/<camera>.*, matched by order. Throws InputError where a mask is missing.
+Frames masks_of_camera(const std::filesystem::path& masks, const std::string& camera, const Frames& frames);
+
+// The folder of the masks of a data set: masks, mask or mask_cihp; empty where there is none.
+std::filesystem::path masks_folder(const std::filesystem::path& folder);
+
+// The name without the extension of an image or a video, which some programs leave in the names of their cameras.
+std::string without_extension(const std::string& name);
+
+}  // namespace neuvv::training
