@@ -189,7 +189,7 @@ TEST_F(EasyMocapTest, PicklesAreRefusedWithTheMend) {
     const TemporaryFolder zju;
     write_text(zju.path / "annots.npy", "\x93NUMPY");
     expect_input_error([&] { training::read_rig(zju.path, training::Split::kTrain); },
-                       {"annots.npy", "pickle", "intri.yml", "README"});
+                       {"annots.npy", "pickle", "intri.yml", "zju_mocap.py"});
 }
 
 }  // namespace

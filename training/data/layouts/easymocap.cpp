@@ -103,7 +103,7 @@ Rig read_easymocap_rig(const std::filesystem::path& folder, Split split) {
     if (!std::filesystem::exists(folder / "intri.yml", ignored) &&
         std::filesystem::exists(folder / "annots.npy", ignored))
         throw InputError((folder / "annots.npy").string(), "", "is a Python pickle, which could run any program",
-                         "make intri.yml and extri.yml of it, as training/data/layouts/README.md shows");
+                         "make intri.yml and extri.yml of it by training/data/layouts/zju_mocap.py");
     const OpencvYaml intrinsics(folder / "intri.yml"), extrinsics(folder / "extri.yml");
     Rig rig;
     rig.folder = folder;
