@@ -15,6 +15,8 @@ void expect_rigid(const JsonNode& node, const glm::dmat4& pose);
 
 // Turns a world with +Z up into one with +Y up: (x, y, z) → (x, z, −y).
 inline const glm::dmat3 kYUpFromZUp(1, 0, 0, 0, 0, -1, 0, 1, 0);
+// Turns a world with −Y up, as that of CMU's Panoptic Studio: (x, y, z) → (x, −y, −z).
+inline const glm::dmat3 kYUpFromYDown(1, 0, 0, 0, -1, 0, 0, 0, -1);
 
 constexpr double kUnitTolerance = 1e-2;  // of a quaternion's length; some files have three decimals
 // Northings of UTM have 7 digits, also in feet. Much further away, files do not write a camera's place to a millimetre.

@@ -40,6 +40,10 @@ Rig read_nerf_rig(const std::filesystem::path& folder, Split split);
 bool has_opencv_files(const std::filesystem::path& folder);
 Rig read_opencv_rig(const std::filesystem::path& folder, Split split);
 
+// CMU Panoptic Studio: calibration_NAME.json beside images or videos by camera, of whose types one is read.
+bool has_panoptic_files(const std::filesystem::path& folder);
+Rig read_panoptic_rig(const std::filesystem::path& folder, Split split);
+
 // Raw data that the app Polycam exported: keyframes/, with an image and a JSON file for each place where the phone was.
 // Every image is a camera of its own, and all of them show one frame.
 bool has_polycam_files(const std::filesystem::path& folder);

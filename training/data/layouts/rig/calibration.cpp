@@ -86,6 +86,21 @@ interchange::Lens opencv_lens(const std::vector<double>& matrix, const std::vect
     return lens;
 }
 
+std::vector<double> json_numbers(const JsonNode& node, size_t count) {
+    expect_list(node);
+    std::vector<double> numbers;
+    for (size_t i = 0; i < node.value.size() && numbers.size() <= count; ++i) {
+        if (!node.value[i].is_array()) {
+            numbers.push_back(json_number(node[i]));
+            continue;
+        }
+        const JsonNode row = node[i];
+        for (size_t j = 0; j < row.value.size() && numbers.size() <= count; ++j) numbers.push_back(json_number(row[j]));
+    }
+    if (numbers.size() != count) node.fail(fmt::format("does not have {} numbers", count));
+    return numbers;
+}
+
 void fit_to_images(RigCamera& camera, ImageSource image, const Rig& rig, const std::string& place) {
     const interchange::Lens& lens = camera.lens;
     image.as_stored = used_as_stored(image, lens, rig.images_as_stored);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/formats/json.h"
 #include "media/image.h"
 #include "training/data/layouts/rig/rig.h"
 
@@ -27,6 +28,9 @@ glm::dmat3 opencv_rotation(const std::vector<double>& numbers, const std::string
 // NeuVV at ½. Further terms must be 0. Throws InputError(file, place, …) for what no lens of lens.h has.
 interchange::Lens opencv_lens(const std::vector<double>& matrix, const std::vector<double>& distortion, bool fisheye,
                               const std::string& file, const std::string& place);
+
+// The numbers of an array, or of an array of arrays row by row, of which there are `count`. Throws InputError.
+std::vector<double> json_numbers(const JsonNode& node, size_t count);
 
 // Scales the camera's lens to the size of its images where the calibration is for the same images at another size.
 // `image` is the first of them. A video whose pixels are not square may have the calibration's shape when it is shown.

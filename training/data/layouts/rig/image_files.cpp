@@ -94,11 +94,31 @@ std::filesystem::path one_video(const std::vector<std::filesystem::path>& videos
 
 // The folders in which a data set may have a folder of images for each camera.
 std::vector<std::filesystem::path> image_folders(const std::filesystem::path& folder) {
-    return {images_folder(folder).path, folder};
+    std::vector<std::filesystem::path> folders = {images_folder(folder).path};
+    for (const char* name : {"hdImgs", "vgaImgs", "kinectImgs"}) folders.push_back(folder / name);
+    folders.push_back(folder);
+    return folders;
 }
 
 std::vector<std::filesystem::path> video_folders(const std::filesystem::path& folder) {
-    return {folder / "videos", folder};
+    return {folder / "videos", folder / "hdVideos", folder / "vgaVideos", folder / "kinectVideos", folder};
+}
+
+// The frames without the camera's name, where all their names begin with it, and without a word behind it: "00_03_0017"
+// of the camera 00_03 becomes "0017", and so does "Cam001_rgb0017" of Cam001.
+Frames without_camera(const Frames& frames, const std::string& camera) {
+    if (frames.empty()) return frames;
+    const std::string name = std::filesystem::path(camera).filename().string() + "_", &first = frames.begin()->first;
+    size_t length = name.size();
+    while (length < first.size() && !is_digit(first[length])) ++length;
+    if (length >= first.size()) length = name.size();  // no number: only the camera's name is left out
+    const std::string beginning = first.substr(0, length);
+    Frames shorter;
+    for (const auto& [whole, image] : frames) {
+        if (!whole.starts_with(name) || !whole.starts_with(beginning) || whole.size() == length) return frames;
+        shorter[whole.substr(length)] = image;
+    }
+    return shorter;
 }
 
 }  // namespace
@@ -153,7 +173,7 @@ std::vector<std::filesystem::path> places_of_camera(const std::filesystem::path&
 
 Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera) {
     for (const auto& parent : image_folders(folder))
-        if (Frames frames = images_in(parent / camera); !frames.empty()) return frames;
+        if (const Frames frames = images_in(parent / camera); !frames.empty()) return without_camera(frames, camera);
     for (const auto& parent : video_folders(folder))
         if (const auto video = one_video(videos_of(parent, camera), camera); !video.empty())
             return frames_of_video(video);
@@ -206,7 +226,7 @@ std::string without_extension(const std::string& name) {
 }
 
 Frames masks_of_camera(const std::filesystem::path& masks, const std::string& camera, const Frames& frames) {
-    Frames found = images_in(masks / camera);
+    const Frames found = images_in(masks / camera), by_frame = without_camera(found, camera);
     if (found.empty()) {
         const auto video = one_video(videos_of(masks, camera), camera);
         if (video.empty())
@@ -224,9 +244,10 @@ Frames masks_of_camera(const std::filesystem::path& masks, const std::string& ca
     }
     Frames result;
     for (const auto& [name, image] : frames) {
-        auto mask = found.find(name);
-        if (mask == found.end()) mask = found.find(image.path.filename().string());  // COLMAP's "a.jpg.png"
-        if (mask == found.end())
+        auto mask = by_frame.find(name);
+        const bool as_frame = mask != by_frame.end();
+        if (!as_frame) mask = found.find(image.path.filename().string());  // COLMAP's "a.jpg.png"
+        if (!as_frame && mask == found.end())
             throw InputError((masks / camera).string(), "", fmt::format("has no mask {}.png", name),
                              "give every frame its mask, named as the image");
         result[name] = mask->second;

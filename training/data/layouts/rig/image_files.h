@@ -35,11 +35,14 @@ Frames still_in(const std::filesystem::path& folder, const std::string& camera);
 Frames still_of_camera(const std::filesystem::path& folder, const std::string& camera);
 
 // The folders and the videos in which a camera may have its images and has some: images/<camera>/ (or
-// images_2/<camera>/ …: candidates.h), <camera>/, videos/<camera>.* and <camera>.*. A video may have a longer name that
-// ends in _<camera>, as Qualisys gives it.
+// images_2/<camera>/ …: candidates.h), the like in folders of other names (image_folders in image_files.cpp),
+// <camera>/, videos/<camera>.* and its like, and <camera>.*. A video may have a longer name that ends in _<camera>, as
+// Qualisys gives it.
 std::vector<std::filesystem::path> places_of_camera(const std::filesystem::path& folder, const std::string& camera);
 
-// The frames in the first of these places; empty where there is none. Throws InputError where that is two videos.
+// The frames in the first of these places; empty where there is none. Where the names of all images of the camera begin
+// with its own, frames are named without it: "00_03_0017" of the camera 00_03 is frame "0017", as is "Cam001_rgb0017"
+// of Cam001. Throws InputError where the first place is two videos.
 Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera);
 
 // The image <name>.*, else the video <name>.* or *_<name>.* at its first frame; an empty path where there is neither.
@@ -55,8 +58,9 @@ std::filesystem::path first_folder(const std::filesystem::path& folder, std::ini
 // (expect_inside). No video is opened.
 bool has_images(const std::filesystem::path& folder, const std::string& camera);
 
-// A mask for each of the frames: from masks/<camera>/, matched by the frame's name or by its file's ("0.jpg.png", as
-// COLMAP names masks), or from a video masks/<camera>.*, matched by order. Throws InputError where a mask is missing.
+// A mask for each of the frames: from masks/<camera>/, matched by the name of the frame or by its file's ("0.jpg.png",
+// as COLMAP names masks), or from a video masks/<camera>.*, matched by order. Throws InputError where a mask is
+// missing.
 Frames masks_of_camera(const std::filesystem::path& masks, const std::string& camera, const Frames& frames);
 
 // The folder of the masks of a data set: masks, mask or mask_cihp; empty where there is none.
