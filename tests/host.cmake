@@ -96,6 +96,7 @@ neuvv_test(layouts_test HOSTILE
     training/layouts/qualisys_test.cpp
     training/layouts/pose2sim_test.cpp
     training/layouts/opencv_cameras_test.cpp
+    training/layouts/dynamic3dgs_test.cpp
     training/layouts/panoptic_test.cpp
     training/layouts/polycam_test.cpp
     training/layouts/record3d_test.cpp

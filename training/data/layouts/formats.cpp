@@ -32,6 +32,7 @@ constexpr Format kFormats[] = {
     {"colmap", "sparse/0/cameras.bin or .txt", has_colmap_files, read_colmap_rig, false},
     {"record3d", "metadata and rgb/", has_record3d_files, read_record3d_rig, false},
     {"panoptic", "calibration_*.json", has_panoptic_files, read_panoptic_rig, false},
+    {"dynamic3dgs", "train_meta.json", has_dynamic3dgs_files, read_dynamic3dgs_rig, false},
     {"metashape", "cameras.xml", has_metashape_files, read_metashape_rig, false},
     {"realitycapture", "a .csv of cameras", has_realitycapture_files, read_realitycapture_rig, false},
     {"qualisys", "NAME.qca.txt", has_qualisys_files, read_qualisys_rig, false},

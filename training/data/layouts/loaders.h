@@ -15,6 +15,10 @@ namespace neuvv::training {
 bool has_colmap_files(const std::filesystem::path& folder);
 Rig read_colmap_rig(const std::filesystem::path& folder, Split split);
 
+// Dynamic 3D Gaussians: train_meta.json and test_meta.json, whose cameras are the held-out ones, beside ims/ and seg/.
+bool has_dynamic3dgs_files(const std::filesystem::path& folder);
+Rig read_dynamic3dgs_rig(const std::filesystem::path& folder, Split split);
+
 // EasyMocap, and ZJU-MoCap in its layout: intri.yml, extri.yml and a folder of images per camera. The order of cameras
 // is that of `names`.
 bool has_easymocap_files(const std::filesystem::path& folder);
