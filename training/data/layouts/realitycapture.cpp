@@ -12,18 +12,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <numbers>
 
 #include "base/error.h"
-#include "base/platform.h"
-#include "base/text.h"
 #include "interchange/camera/json_pose.h"
 #include "training/data/layouts/rig/calibration.h"
 #include "training/data/layouts/rig/camera_folders.h"
+#include "training/data/layouts/rig/camera_table.h"
 #include "training/data/layouts/rig/candidates.h"
 #include "training/data/layouts/rig/image_reader.h"
 
@@ -31,83 +28,13 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr uint64_t kMaxTableBytes = uint64_t{64} << 20;
 constexpr double kFilm_mm = 36;
-constexpr const char* kByteOrderMark = "\xef\xbb\xbf";
 constexpr const char* kRequired[] = {"x", "y", "alt", "heading", "pitch", "roll", "f"};
 constexpr const char* kOptional[] = {"px", "py", "k1", "k2", "k3", "k4", "t1", "t2"};
+constexpr TableForm kForm{"#name", kRequired, kOptional, "export Internal/External camera parameters"};
 
 Choice table_file(const std::filesystem::path& folder) {
     return newest_of(find_files_by_header(folder, ".csv", {"#name", "heading", "pitch", "roll"}));
-}
-
-struct Row {
-    std::string name, place;
-    std::map<std::string, double> values;  // by column; a missing optional column is 0
-};
-
-double parse_number(const std::string& text, const std::string& file, const std::string& place) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-        throw InputError(file, place, fmt::format("\"{:.40}\" is no number", text));
-    return value;
-}
-
-// The position of each column, which users may choose in RealityCapture.
-std::map<std::string, size_t> read_header(const std::vector<std::string>& fields, const std::string& file) {
-    std::map<std::string, size_t> columns;
-    for (size_t i = 0; i < fields.size(); ++i)
-        columns.try_emplace(fields[i].starts_with('#') ? fields[i].substr(1) : fields[i], i);
-    const auto expect = [&](const char* column) {
-        if (!columns.contains(column))
-            throw InputError(file, "header", fmt::format("has no column {}", column),
-                             "export Internal/External camera parameters");
-    };
-    expect("name");
-    for (const char* column : kRequired) expect(column);
-    return columns;
-}
-
-Row read_row(const std::vector<std::string>& fields, const std::map<std::string, size_t>& columns,
-             const std::string& file, size_t line) {
-    Row row;
-    row.place = fmt::format("line {}", line);
-    const auto field = [&](const std::string& column) -> const std::string& {
-        const size_t at = columns.at(column);
-        if (at >= fields.size())
-            throw InputError(file, row.place, fmt::format("ends before its {}", column), "export the table again");
-        return fields[at];
-    };
-    row.name = without_extension(portable_name(field("name")));
-    for (const char* column : kRequired)
-        row.values[column] = parse_number(field(column), file, row.place + ", " + column);
-    for (const char* column : kOptional)
-        row.values[column] =
-            columns.contains(column) ? parse_number(field(column), file, row.place + ", " + column) : 0;
-    return row;
-}
-
-std::vector<Row> read_table(const std::filesystem::path& path) {
-    const std::vector<uint8_t> bytes = read_file(path, kMaxTableBytes);
-    const std::string file = path.string();
-    std::map<std::string, size_t> columns;
-    std::vector<Row> rows;
-    size_t number = 0;
-    for (std::string& line : split(std::string(bytes.begin(), bytes.end()), '\n')) {
-        if (++number == 1 && line.starts_with(kByteOrderMark)) line.erase(0, std::strlen(kByteOrderMark));
-        if (line.ends_with('\r')) line.pop_back();
-        if (line.empty()) continue;
-        const std::vector<std::string> fields = split(line, ',');
-        if (line.starts_with("#name"))
-            columns = read_header(fields, file);
-        else if (!line.starts_with('#')) {
-            if (columns.empty()) throw InputError(file, fmt::format("line {}", number), "stands before the header");
-            rows.push_back(read_row(fields, columns, file, number));
-        }
-    }
-    if (rows.empty()) throw InputError(file, "", "has no camera", "align the images in RealityCapture");
-    return rows;
 }
 
 glm::dmat3 turn(int axis, double degrees) {
@@ -120,7 +47,7 @@ glm::dmat3 turn(int axis, double degrees) {
     return result;
 }
 
-glm::dmat4 pose_of(const Row& row) {
+glm::dmat4 pose_of(const TableRow& row) {
     const auto at = [&](const char* column) { return row.values.at(column); };
     const glm::dmat3 axes =
         interchange::kYUpFromZUp * turn(2, -at("heading")) * turn(0, at("pitch")) * turn(1, at("roll"));
@@ -128,7 +55,7 @@ glm::dmat4 pose_of(const Row& row) {
             glm::dvec4(interchange::kYUpFromZUp * glm::dvec3(at("x"), at("y"), at("alt")), 1)};
 }
 
-interchange::Lens lens_of(const Row& row, media::ImageSize size, const std::string& file) {
+interchange::Lens lens_of(const TableRow& row, media::ImageSize size, const std::string& file) {
     const auto at = [&](const char* column) { return row.values.at(column); };
     for (const char* term : {"k4", "t1", "t2"})
         if (at(term) != 0)
@@ -166,19 +93,19 @@ Rig read_realitycapture_rig(const std::filesystem::path& folder, Split split) {
     if (!remark.empty()) rig.remarks.push_back(remark);
     rig.world = "metres where the project has a scale (ground control points, distances); +Y up, turned from +Z up";
     std::vector<CalibratedCamera> calibrated;
-    std::map<std::string, Row> rows;
-    for (Row& row : read_table(path)) {
+    std::map<std::string, TableRow> rows;  // by place
+    for (TableRow& row : read_camera_table(path, kForm)) {
         RigCamera camera;
         camera.name = row.name;
         camera.world_from_camera = pose_of(row);
         calibrated.push_back({camera, row.place});
-        rows.try_emplace(row.name, std::move(row));
+        rows.try_emplace(row.place, std::move(row));
     }
     std::vector<CameraFrames> cameras = find_images(rig, calibrated);
     for (CameraFrames& camera : cameras) {  // the table does not say how large images are
         ImageSource first = camera.frames.begin()->second;
         first.as_stored = rig.images_as_stored;
-        camera.camera.lens = lens_of(rows.at(camera.camera.name), size_of(first), rig.file);
+        camera.camera.lens = lens_of(rows.at(camera.place), size_of(first), rig.file);
         expect_sound(camera.camera, rig.file, camera.place);
     }
     add_cameras(rig, cameras, split);
