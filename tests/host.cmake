@@ -91,6 +91,7 @@ neuvv_test(dataset_test HOSTILE
 
 neuvv_test(layouts_test HOSTILE
   SOURCES
+    training/layouts/actorshq_test.cpp
     training/layouts/metashape_test.cpp
     training/layouts/realitycapture_test.cpp
     training/layouts/qualisys_test.cpp

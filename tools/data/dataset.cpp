@@ -317,7 +317,7 @@ void add_dataset(Command app, CommonOptions& common) {
          "reads all training images.\n"
          "Layouts: transforms.json, COLMAP, EasyMocap, Neural 3D Video, Metashape (.xml), RealityCapture (.csv),\n"
          "Qualisys (.qca.txt), Pose2Sim (Calib.toml), OpenCV (<camera>.yml), Panoptic Studio (calibration_*.json),\n"
-         "Dynamic 3D Gaussians (train_meta.json), Polycam, Record3D.\n"
+         "Dynamic 3D Gaussians (train_meta.json), ActorsHQ (calibration.csv), Polycam, Record3D.\n"
          "training/data/layouts/README.md describes them.\n\n"
          "Examples, after `neuvv capture tools/performer/performer.glb -o work/performer`:\n"
          "  neuvv dataset work/performer\n"

@@ -33,6 +33,7 @@ constexpr Format kFormats[] = {
     {"record3d", "metadata and rgb/", has_record3d_files, read_record3d_rig, false},
     {"panoptic", "calibration_*.json", has_panoptic_files, read_panoptic_rig, false},
     {"dynamic3dgs", "train_meta.json", has_dynamic3dgs_files, read_dynamic3dgs_rig, false},
+    {"actorshq", "calibration.csv", has_actorshq_files, read_actorshq_rig, false},
     {"metashape", "cameras.xml", has_metashape_files, read_metashape_rig, false},
     {"realitycapture", "a .csv of cameras", has_realitycapture_files, read_realitycapture_rig, false},
     {"qualisys", "NAME.qca.txt", has_qualisys_files, read_qualisys_rig, false},

@@ -11,6 +11,10 @@
 
 namespace neuvv::training {
 
+// ActorsHQ: calibration.csv beside rgbs/ and masks/, of one scale.
+bool has_actorshq_files(const std::filesystem::path& folder);
+Rig read_actorshq_rig(const std::filesystem::path& folder, Split split);
+
 // COLMAP: the sparse model in `folder`/sparse/0, sparse, colmap/sparse/0 or the folder itself.
 bool has_colmap_files(const std::filesystem::path& folder);
 Rig read_colmap_rig(const std::filesystem::path& folder, Split split);

@@ -95,7 +95,7 @@ std::filesystem::path one_video(const std::vector<std::filesystem::path>& videos
 // The folders in which a data set may have a folder of images for each camera.
 std::vector<std::filesystem::path> image_folders(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> folders = {images_folder(folder).path};
-    for (const char* name : {"hdImgs", "vgaImgs", "kinectImgs"}) folders.push_back(folder / name);
+    for (const char* name : {"hdImgs", "vgaImgs", "kinectImgs", "rgbs"}) folders.push_back(folder / name);
     folders.push_back(folder);
     return folders;
 }
