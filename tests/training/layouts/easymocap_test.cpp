@@ -128,6 +128,33 @@ TEST_F(EasyMocapTest, MasksOfSmallNumbersAreLabels) {
     }
 }
 
+// EasyVolcap's captures: what it has made of a calibration lies in optimized/, and masks in folders by their program.
+TEST_F(EasyMocapTest, EasyVolcapsCalibrationAndMasksAreRead) {
+    const double before = read().cameras[1].world_from_camera[3].z;
+    write_text(folder.path / "optimized" / "intri.yml", intrinsics);
+    std::string moved = extrinsics;
+    const size_t at = moved.find("T_10"), number = moved.find("6.0", at);
+    ASSERT_LT(number, moved.size());
+    moved.replace(number, 3, "6.5");
+    write_text(folder.path / "optimized" / "extri.yml", moved);
+    for (const char* masks : {"msk", "bgmtv2"}) {
+        for (const std::string& name : names)
+            for (int frame = 0; frame < 3; ++frame)
+                test::write_grey_png(folder.path / masks / name / fmt::format("{:06}.png", frame), 64, 48, 255);
+        const training::Rig rig = read();
+        EXPECT_EQ(rig.file, (folder.path / "optimized" / "intri.yml").string());
+        EXPECT_GT(std::abs(rig.cameras[1].world_from_camera[3].z - before), 0.4);
+        EXPECT_EQ(rig.shots[3].mask.path, folder.path / masks / "10" / "000000.png");
+        ASSERT_GE(rig.remarks.size(), 2u);
+        EXPECT_EQ(rig.remarks[rig.remarks.size() - 1], "optimized/extri.yml was read, not extri.yml");
+    }
+    EXPECT_EQ(read().remarks[0], "bgmtv2/ was read, not msk/");
+    std::filesystem::remove(folder.path / "intri.yml");
+    EXPECT_EQ(training::read_rig(folder.path, training::Split::kTrain).cameras.size(), 2u) << "optimized/ alone";
+    std::filesystem::remove(folder.path / "optimized" / "extri.yml");
+    expect_input_error([&] { training::read_rig(folder.path, training::Split::kTrain); }, {"optimized/extri.yml"});
+}
+
 TEST_F(EasyMocapTest, CamerasWithoutImagesAreLeftOut) {
     std::filesystem::remove_all(folder.path / "images" / "02");
     EXPECT_EQ(read().cameras.size(), 1u);

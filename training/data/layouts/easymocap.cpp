@@ -77,16 +77,32 @@ bool hold_labels(const std::filesystem::path& masks, const std::vector<CameraFra
     return brightest > 0;
 }
 
-// Adds remarks for calibrations beside intri.yml and extri.yml, of which EasyMocap writes several.
+// The folders that have a calibration, the one that counts first: EasyVolcap writes into optimized/ what it has made of
+// the one beside the images.
+std::vector<std::filesystem::path> calibrations_in(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> found;
+    std::error_code ignored;
+    for (const auto& inside : {folder / "optimized", folder})
+        if (std::filesystem::exists(inside / "intri.yml", ignored)) found.push_back(inside);
+    return found;
+}
+
+// Adds remarks for calibrations beside the one that is read, of which EasyMocap writes several.
 void note_other_calibrations(Rig& rig) {
+    const std::filesystem::path read = std::filesystem::path(rig.file).parent_path();
+    const auto name_in = [&](const std::filesystem::path& file) {
+        return file.lexically_relative(rig.folder).string();
+    };
     for (const std::string stem : {"intri", "extri"}) {
         std::vector<std::string> others;
-        for (const auto& entry : entries_of(rig.folder)) {
-            const std::string name = entry.filename().string(), ending = entry.extension().string();
-            if (name.starts_with(stem) && name != stem + ".yml" && (ending == ".yml" || ending == ".yaml"))
-                others.push_back(name);
-        }
-        if (!others.empty()) rig.remarks.push_back(choice_remark(stem + ".yml", others));
+        for (const auto& folder : calibrations_in(rig.folder))
+            for (const auto& entry : entries_of(folder)) {
+                const std::string name = entry.filename().string(), ending = entry.extension().string();
+                if (name.starts_with(stem) && entry != read / (stem + ".yml") &&
+                    (ending == ".yml" || ending == ".yaml"))
+                    others.push_back(name_in(entry));
+            }
+        if (!others.empty()) rig.remarks.push_back(choice_remark(name_in(read / (stem + ".yml")), others));
     }
 }
 
@@ -94,17 +110,17 @@ void note_other_calibrations(Rig& rig) {
 
 bool has_easymocap_files(const std::filesystem::path& folder) {
     std::error_code ignored;
-    return std::filesystem::exists(folder / "intri.yml", ignored) ||
-           std::filesystem::exists(folder / "annots.npy", ignored);
+    return !calibrations_in(folder).empty() || std::filesystem::exists(folder / "annots.npy", ignored);
 }
 
 Rig read_easymocap_rig(const std::filesystem::path& folder, Split split) {
     std::error_code ignored;
-    if (!std::filesystem::exists(folder / "intri.yml", ignored) &&
-        std::filesystem::exists(folder / "annots.npy", ignored))
+    const std::vector<std::filesystem::path> calibrations = calibrations_in(folder);
+    if (calibrations.empty() && std::filesystem::exists(folder / "annots.npy", ignored))
         throw InputError((folder / "annots.npy").string(), "", "is a Python pickle, which could run any program",
                          "make intri.yml and extri.yml of it by training/data/layouts/zju_mocap.py");
-    const OpencvYaml intrinsics(folder / "intri.yml"), extrinsics(folder / "extri.yml");
+    const std::filesystem::path from = calibrations.empty() ? folder : calibrations[0];
+    const OpencvYaml intrinsics(from / "intri.yml"), extrinsics(from / "extri.yml");
     Rig rig;
     rig.folder = folder;
     rig.format = "easymocap";

@@ -23,8 +23,8 @@ Rig read_colmap_rig(const std::filesystem::path& folder, Split split);
 bool has_dynamic3dgs_files(const std::filesystem::path& folder);
 Rig read_dynamic3dgs_rig(const std::filesystem::path& folder, Split split);
 
-// EasyMocap, and ZJU-MoCap in its layout: intri.yml, extri.yml and a folder of images per camera. The order of cameras
-// is that of `names`.
+// EasyMocap, and ZJU-MoCap and EasyVolcap in its layout: intri.yml, extri.yml and a folder of images per camera. The
+// order of cameras is that of `names`.
 bool has_easymocap_files(const std::filesystem::path& folder);
 Rig read_easymocap_rig(const std::filesystem::path& folder, Split split);
 

@@ -52,9 +52,7 @@ void note_choices(Rig& rig, const std::vector<CameraFrames>& cameras) {
 
 void note_mask_folders(Rig& rig) {
     std::vector<std::string> found;
-    std::error_code ignored;
-    for (const char* name : {"masks", "mask", "mask_cihp"})
-        if (std::filesystem::is_directory(rig.folder / name, ignored)) found.push_back(std::string(name) + "/");
+    for (const auto& folder : masks_folders(rig.folder)) found.push_back(folder.filename().string() + "/");
     if (found.size() > 1) rig.remarks.push_back(choice_remark(found[0], {found.begin() + 1, found.end()}));
 }
 

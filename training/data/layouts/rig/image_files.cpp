@@ -214,8 +214,16 @@ std::filesystem::path first_folder(const std::filesystem::path& folder, std::ini
     return {};
 }
 
+std::vector<std::filesystem::path> masks_folders(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> found;
+    for (const char* name : {"masks", "mask", "mask_cihp", "bgmtv2", "msk"})
+        if (const auto masks = first_folder(folder, {name}); !masks.empty()) found.push_back(masks);
+    return found;
+}
+
 std::filesystem::path masks_folder(const std::filesystem::path& folder) {
-    return first_folder(folder, {"masks", "mask", "mask_cihp"});
+    const std::vector<std::filesystem::path> found = masks_folders(folder);
+    return found.empty() ? std::filesystem::path() : found[0];
 }
 
 std::string without_extension(const std::string& name) {

@@ -63,8 +63,10 @@ bool has_images(const std::filesystem::path& folder, const std::string& camera);
 // missing.
 Frames masks_of_camera(const std::filesystem::path& masks, const std::string& camera, const Frames& frames);
 
-// The folder of the masks of a data set: masks, mask or mask_cihp; empty where there is none.
-std::filesystem::path masks_folder(const std::filesystem::path& folder);
+// The folders of masks in a data set, of which the first counts: masks, mask, mask_cihp (ZJU-MoCap), bgmtv2, msk
+// (EasyVolcap).
+std::vector<std::filesystem::path> masks_folders(const std::filesystem::path& folder);
+std::filesystem::path masks_folder(const std::filesystem::path& folder);  // that one; empty where there is none
 
 // The name without the extension of an image or a video, which some programs leave in the names of their cameras.
 std::string without_extension(const std::string& name);
