@@ -154,8 +154,19 @@ TEST_F(DatasetTest, MissingFilesAreNamed) {
                        {"transforms_train.json"});
     load(good);
     expect_input_error([&] { training::load_dataset(folder.path, training::Split::kTest); }, {"transforms_test.json"});
+}
+
+// As in instant-ngp: a data set may list more images than there are.
+TEST_F(DatasetTest, MissingImagesAreLeftOut) {
     std::filesystem::remove(folder.path / "train" / "c1_f0.png");
-    expect_input_error([&] { load(good); }, {"transforms_train.json", "frames[3].file_path", "c1_f0.png"});
+    const training::Dataset data = load(good);
+    EXPECT_EQ(data.views.size(), 5u);
+    EXPECT_EQ(data.remarks, (std::vector<std::string>{"1 of 6 images are not there, and are left out: train/c1_f0"}));
+    for (const char* name : {"c0_f0", "c0_f1"})
+        std::filesystem::remove(folder.path / "train" / (name + std::string(".png")));
+    EXPECT_EQ(load(good).times, (std::vector<double>{0.5, 1})) << "half of them is enough";
+    std::filesystem::remove(folder.path / "train" / "c0_f2.png");
+    expect_input_error([&] { load(good); }, {"transforms_train.json", "frames[0].file_path", "c0_f2", "4 of 6 images"});
 }
 
 TEST_F(DatasetTest, TheLayoutIsRecognisedOrForced) {

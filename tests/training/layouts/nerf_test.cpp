@@ -183,6 +183,9 @@ TEST_F(Nerfstudio, ListsDivideTheSplits) {
     EXPECT_EQ(rig(training::Split::kVal).shots.at(0).name, "frame_7");
     expect_bad(good, [](json& j) { j["test_filenames"].push_back("images/frame_1.png"); },
                {"frame_1.png", "train_filenames", "test_filenames"});
+    good["val_filenames"] = good["test_filenames"];
+    EXPECT_EQ(rig(training::Split::kVal).shots.at(0).name, "frame_0") << "images of the test may be of the validation";
+    EXPECT_EQ(rig(training::Split::kTest).shots.size(), 1u);
     expect_bad(good, [](json& j) { j["train_filenames"].push_back("images/frame_99.png"); }, {"frame_99.png"});
     expect_bad(good, [](json& j) { j.erase("train_filenames"); }, {"train_filenames", "missing"});
     expect_bad(good, [](json& j) { j["val_filenames"] = {1}; }, {"val_filenames[0]", "string"});
@@ -314,12 +317,32 @@ TEST_F(Sequences, WhatContradictsIsRefused) {
     document["frames"][1]["time"] = 0.5;
     expect_input_error([&] { rig(); }, {"frames[1].time", "many images"});
     document["frames"][1].erase("time");
-    document["frames"][1]["file_path"] = "images/none";
-    expect_input_error([&] { rig(); }, {"frames[1].file_path", "images/none"});
-    document["frames"][1]["file_path"] = "images/cam1";
+    for (const int i : {0, 1, 2}) document["frames"][i]["file_path"] = "images/none";
+    expect_input_error([&] { rig(); }, {"file_path", "images/none"});
+    for (const int i : {0, 1, 2}) document["frames"][i]["file_path"] = "images/cam" + std::to_string(i);
     for (int i = 0; i < 3; ++i) document["frames"][i]["mask_path"] = "masks/cam" + std::to_string(i);
     std::filesystem::remove(folder.path / "masks" / "cam1" / "9.png");
     expect_input_error([&] { rig(); }, {"masks/cam1", "9.png"});
+}
+
+// The same images of validation and test are read once, so that they do not take each other's names.
+TEST_F(NerfTest, TheValidationMayBeTheTest) {
+    json train = {{"camera_angle_x", 0.7}}, test = train;
+    for (int i = 0; i < 4; ++i) {
+        const std::string path = "images/r_" + std::to_string(i);
+        put(path + ".png", image(100));
+        (i < 2 ? train : test)["frames"].push_back({{"file_path", path}, {"transform_matrix", z_up_pose(i)}});
+    }
+    put("transforms_train.json", train);
+    put("transforms_test.json", test);
+    put("transforms_val.json", test);
+    for (const auto split : {training::Split::kTest, training::Split::kVal}) {
+        const training::Rig rig = training::read_rig(folder.path, split);
+        ASSERT_EQ(rig.shots.size(), 2u);
+        EXPECT_EQ(rig.shots[0].name, "r_2");
+        EXPECT_EQ(rig.cameras[1].name, "r_3");
+        EXPECT_EQ(rig.poses.size(), 4u);
+    }
 }
 
 // A split may have images of another one: they are stills, not a video.

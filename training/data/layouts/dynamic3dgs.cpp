@@ -73,10 +73,21 @@ struct MetaCamera {
 };
 using MetaCameras = std::map<std::string, MetaCamera, NaturalOrder>;
 
-void add_image(const Rig& rig, MetaCamera& from, const std::string& fn, const JsonNode& node) {
+// The cameras of both files, and which of their images are missing.
+struct MetaFiles {
+    MetaCameras cameras;
+    std::vector<MissingImage> missing;
+    size_t listed = 0;
+};
+
+void add_image(const Rig& rig, MetaFiles& files, MetaCamera& from, const std::string& fn, const JsonNode& node) {
     const std::filesystem::path image = rig.folder / "ims" / fn, masks = rig.folder / "seg";
     const std::string frame = image.stem().string();
-    if (!is_file(image)) node.fail(fmt::format("there is no image {}", image.string()), "put it there");
+    ++files.listed;
+    if (!is_file(image)) {
+        files.missing.push_back({node.place, image});
+        return;
+    }
     if (!from.camera.frames.try_emplace(frame, ImageSource{image, -1}).second)
         node.fail("is a second image of its camera and frame", "name each image once");
     std::error_code ignored;
@@ -88,7 +99,7 @@ void add_image(const Rig& rig, MetaCamera& from, const std::string& fn, const Js
 }
 
 // Reads the cameras of a file. Those of one file are of one group.
-void read_meta(const Rig& rig, const JsonNode& root, size_t group, MetaCameras& cameras) {
+void read_meta(const Rig& rig, const JsonNode& root, size_t group, MetaFiles& files) {
     const JsonNode fn = root["fn"];
     expect_list(fn);
     for (size_t frame = 0; frame < fn.value.size(); ++frame) {
@@ -101,7 +112,7 @@ void read_meta(const Rig& rig, const JsonNode& root, size_t group, MetaCameras& 
             expect_inside(path, root.file, names[c].place);
             const std::string folder = std::filesystem::path(path).parent_path().generic_string();
             if (folder.empty()) names[c].fail("names no folder of its camera", "give CAMERA/FRAME.jpg");
-            const auto [at, fresh] = cameras.try_emplace(folder);
+            const auto [at, fresh] = files.cameras.try_emplace(folder);
             MetaCamera& camera = at->second;
             if (fresh) {
                 camera = {{meta_camera(root, k[c], w2c[c]), names[c].place, group, {}, {}}, &k[c].value, &w2c[c].value};
@@ -111,7 +122,7 @@ void read_meta(const Rig& rig, const JsonNode& root, size_t group, MetaCameras& 
             }
             expect_still(k[c], *camera.k, 9);
             expect_still(w2c[c], *camera.w2c, 16);
-            add_image(rig, camera, path, names[c]);
+            add_image(rig, files, camera, path, names[c]);
         }
     }
 }
@@ -133,12 +144,14 @@ Rig read_dynamic3dgs_rig(const std::filesystem::path& folder, Split split) {
     rig.world = "metres where the capture is Panoptic Studio's; +Y up, turned from −Y up";
     constexpr size_t kHeldOut = 0, kTrained = 1;  // add_cameras holds out every 8th group
     const bool has_test = is_file(folder / kTestMeta);
-    MetaCameras found;
+    MetaFiles found;
     read_meta(rig, train.root(), kTrained, found);
     const JsonFile test = has_test ? read_json(folder / kTestMeta, "the cameras held out") : JsonFile();
     if (has_test) read_meta(rig, test.root(), kHeldOut, found);
+    leave_out(rig, found.missing, found.listed);
     std::vector<CameraFrames> cameras;
-    for (auto& [name, from] : found) {
+    for (auto& [name, from] : found.cameras) {
+        if (from.camera.frames.empty()) continue;
         fit_to_images(from.camera.camera, from.camera.frames.begin()->second, rig, from.camera.place);
         cameras.push_back(std::move(from.camera));
         if (!has_test) cameras.back().group = cameras.size() - 1;

@@ -225,8 +225,8 @@ Rig read_nerf_rig(const std::filesystem::path& folder, Split split) {
     note_other_files(rig);
     note_endings(rig, transforms.frames);
     const Sequences sequences = find_sequences(rig, transforms.frames, other_frames);
-    std::vector<ImageFrame> images = image_frames(rig, transforms.frames, sequences);
-    const std::vector<interchange::TransformsFrame> others = spread_frames(rig, other_frames, sequences);
+    std::vector<interchange::TransformsFrame> others = spread_frames(rig, other_frames, sequences);
+    std::vector<ImageFrame> images = image_frames(rig, transforms.frames, sequences, others);
     has_everywhere(rig, images, "time", [](const auto& image) { return image.frame.time.has_value(); });
     time_by_name(rig, images, others);
     add_cameras_and_shots(rig, images, others);

@@ -102,19 +102,27 @@ Sequences find_sequences(Rig& rig, const std::vector<interchange::TransformsFram
     return sequences;
 }
 
-std::vector<ImageFrame> image_frames(const Rig& rig, const std::vector<interchange::TransformsFrame>& frames,
-                                     const Sequences& sequences) {
+std::vector<ImageFrame> image_frames(Rig& rig, const std::vector<interchange::TransformsFrame>& frames,
+                                     const Sequences& sequences, std::vector<interchange::TransformsFrame>& others) {
     std::vector<ImageFrame> result;
+    std::vector<MissingImage> missing;
     for (const interchange::TransformsFrame& frame : frames) {
         if (frame.file_path.empty()) throw InputError(rig.file, frame.place, "has no file_path", "name its image");
         std::vector<ImageFrame> sequence = images_of_sequence(rig, frame, sequences);
         if (sequence.empty()) {
-            sequence.push_back({frame, {find_image(rig, frame.file_path, frame.place + ".file_path"), -1}, {}});
+            const std::filesystem::path image = image_at(rig.folder, frame.file_path);
+            if (image.empty()) {
+                missing.push_back({frame.place + ".file_path", rig.folder / frame.file_path});
+                others.push_back(frame);
+                continue;
+            }
+            sequence.push_back({frame, {image, -1}, {}});
             if (!frame.mask_path.empty())
                 sequence[0].mask.path = find_image(rig, frame.mask_path, frame.place + ".mask_path");
         }
         std::ranges::move(sequence, std::back_inserter(result));
     }
+    leave_out(rig, missing, frames.size());
     return result;
 }
 

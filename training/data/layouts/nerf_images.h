@@ -28,9 +28,9 @@ using Sequences = std::map<std::string, Sequence>;  // by file_path
 // Those that frames of all splits name. Frames of videos are named by their times.
 Sequences find_sequences(Rig& rig, const std::vector<interchange::TransformsFrame>& first,
                          const std::vector<interchange::TransformsFrame>& others);
-// Throws InputError where there is no image.
-std::vector<ImageFrame> image_frames(const Rig& rig, const std::vector<interchange::TransformsFrame>& frames,
-                                     const Sequences& sequences);
+// Frames without their image go to `others`, with a remark. Throws InputError where these are more than half.
+std::vector<ImageFrame> image_frames(Rig& rig, const std::vector<interchange::TransformsFrame>& frames,
+                                     const Sequences& sequences, std::vector<interchange::TransformsFrame>& others);
 // The frames of the other splits, with their sequences spread out. Their images need not exist.
 std::vector<interchange::TransformsFrame> spread_frames(const Rig& rig,
                                                         const std::vector<interchange::TransformsFrame>& frames,

@@ -42,6 +42,10 @@ const char* name_of(Split split) {
     return kSplitNames[static_cast<size_t>(split)];
 }
 
+std::string normal(const std::string& path) {
+    return std::filesystem::path(path).lexically_normal().generic_string();
+}
+
 std::filesystem::path split_file(const std::filesystem::path& folder, const char* split) {
     return folder / fmt::format("transforms_{}.json", split);
 }
@@ -72,37 +76,40 @@ SplitFrames read_file_of_split(const std::filesystem::path& folder, Split split)
     SplitFrames result;
     result.file = split_file(folder, name_of(split));
     result.transforms = interchange::read_transforms(result.file);
+    std::set<std::string>
+        images;  // an image may be of two splits: often, those of the validation are those of the test
+    for (const interchange::TransformsFrame& frame : result.transforms.frames) images.insert(normal(frame.file_path));
     for (const char* other : kSplitNames) {
         const auto file = split_file(folder, other);
         if (file == result.file || !holds_file(file)) continue;
         for (interchange::TransformsFrame& frame : interchange::read_transforms(file).frames)
-            result.other_frames.push_back(std::move(frame));
+            if (images.insert(normal(frame.file_path)).second) result.other_frames.push_back(std::move(frame));
     }
     return result;
 }
 
-std::string normal(const std::string& path) {
-    return std::filesystem::path(path).lexically_normal().generic_string();
-}
-
-// Which frames are of the split by nerfstudio's lists.
+// Which frames are of the split by nerfstudio's lists. Those of the validation are often those of the test.
 std::vector<bool> members_by_list(const std::string& file, const interchange::Transforms& all, Split split) {
-    std::map<std::string, size_t> list_of;
+    std::map<std::string, std::set<size_t>> lists_of;
+    constexpr auto kTrainList = static_cast<size_t>(Split::kTrain);
     for (size_t s = 0; s < all.split_files.size(); ++s)
-        for (const std::string& path : all.split_files[s].value_or(std::vector<std::string>()))
-            if (const auto [at, fresh] = list_of.try_emplace(normal(path), s); !fresh && at->second != s)
+        for (const std::string& path : all.split_files[s].value_or(std::vector<std::string>())) {
+            std::set<size_t>& lists = lists_of[normal(path)];
+            if (s != kTrainList && lists.contains(kTrainList))
                 throw InputError(file, fmt::format("{}_filenames", kSplitNames[s]),
-                                 fmt::format("names {}, which is in {}_filenames, too", path, kSplitNames[at->second]),
+                                 fmt::format("names {}, which is in {}_filenames, too", path, kSplitNames[kTrainList]),
                                  "keep training and test apart");
+            lists.insert(s);
+        }
     std::vector<bool> members;
     std::set<std::string> frames;
     for (const interchange::TransformsFrame& frame : all.frames) {
-        const auto listed = list_of.find(*frames.insert(normal(frame.file_path)).first);
-        members.push_back(listed != list_of.end() && listed->second == static_cast<size_t>(split));
+        const auto listed = lists_of.find(*frames.insert(normal(frame.file_path)).first);
+        members.push_back(listed != lists_of.end() && listed->second.contains(static_cast<size_t>(split)));
     }
-    for (const auto& [path, s] : list_of)
+    for (const auto& [path, lists] : lists_of)
         if (!frames.contains(path))
-            throw InputError(file, fmt::format("{}_filenames", kSplitNames[s]),
+            throw InputError(file, fmt::format("{}_filenames", kSplitNames[*lists.begin()]),
                              fmt::format("names {}, which is no file_path of a frame", path), "correct the list");
     if (std::find(members.begin(), members.end(), true) == members.end())
         throw InputError(file, fmt::format("{}_filenames", name_of(split)), "is missing or empty",

@@ -28,6 +28,19 @@ std::map<std::string, double, NaturalOrder> times_of(const std::vector<CameraFra
 
 }  // namespace
 
+void leave_out(Rig& rig, const std::vector<MissingImage>& missing, size_t listed) {
+    if (missing.empty()) return;
+    const MissingImage& first = missing[0];
+    if (2 * missing.size() > listed)
+        throw InputError(rig.file, first.place,
+                         fmt::format("there is no image {}, and {} of {} images are missing", first.path.string(),
+                                     missing.size(), listed),
+                         "put them there or correct the paths");
+    rig.remarks.push_back(fmt::format("{} of {} images are not there, and are left out: {}{}", missing.size(), listed,
+                                      first.path.lexically_normal().lexically_relative(rig.folder).string(),
+                                      missing.size() > 1 ? " and others" : ""));
+}
+
 void note_choices(Rig& rig, const std::vector<CameraFrames>& cameras) {
     std::string read, other;  // of the first camera with images in two places
     size_t count = 0;

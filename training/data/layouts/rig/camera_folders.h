@@ -1,6 +1,7 @@
 // Images of a capture that are stored by camera: images/<camera>/<frame>.jpg or videos/<camera>.mp4, and masks alike.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,14 @@ void name_by_time(Rig& rig, std::vector<CameraFrames>& cameras);
 // scaled, too. Throws InputError for names that are no names within the data set's folder, or given twice, and where no
 // camera has images.
 std::vector<CameraFrames> find_images(Rig& rig, const std::vector<CalibratedCamera>& cameras);
+
+// An image that a file lists and that is not there.
+struct MissingImage {
+    std::string place;
+    std::filesystem::path path;
+};
+// Adds a remark that they are left out. Throws InputError where they are more than half of those that are listed.
+void leave_out(Rig& rig, const std::vector<MissingImage>& missing, size_t listed);
 
 // Adds remarks where cameras have images in several places, of which the first of frames_of_camera was read.
 void note_choices(Rig& rig, const std::vector<CameraFrames>& cameras);
