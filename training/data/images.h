@@ -15,6 +15,9 @@ struct ImageCount {
 };
 ImageCount image_count(const Rig& rig);
 
+// The cameras of a rig without distortion, with the sizes of their images, of which one a camera may be opened.
+std::vector<stage::Camera> cameras_of(const Rig& rig);
+
 // Reads every image, mask and plate that the rig names, on all cores. Throws InputError for images that cannot be read
 // or whose sizes disagree, and where mattes are needed and no image has one; RuntimeFailure where the disk has no room
 // for what exceeds the memory.
