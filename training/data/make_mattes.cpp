@@ -3,15 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
-#include <optional>
 #include <set>
 
 #include "base/error.h"
 #include "base/threads/parallel.h"
+#include "training/data/both_splits.h"
 #include "training/data/brought_mattes.h"
 #include "training/data/contact_sheet.h"
-#include "training/data/layouts/formats.h"
 #include "training/data/layouts/rig/image_reader.h"
 #include "training/data/plate.h"
 
@@ -25,37 +23,8 @@ constexpr uint32_t kSheetCell = 320;
 constexpr uint8_t kMagenta[3] = {255, 0, 255};
 constexpr const char* kSheetName = "contact_sheet";
 
-// The splits that can be read, and why one cannot be (MatteSummary::missing_split).
-struct Rigs {
-    std::vector<Rig> all;
-    Note missing;
-};
-
-Rigs read_rigs(const MatteJob& job) {
-    Rigs rigs;
-    std::optional<InputError> first;
-    for (const Split split : {Split::kTrain, Split::kTest}) try {
-            rigs.all.push_back(read_rig(job.dataset, split, job.format));
-        } catch (const InputError& error) {
-            if (!first) first = error;
-            rigs.missing = Note(error);
-        }
-    if (rigs.all.empty()) throw *first;
-    return rigs;
-}
-
-void expect_distinct_names(const std::vector<Rig>& rigs) {
-    std::map<std::string, const ImageSource*> names;
-    for (const Rig& rig : rigs)
-        for (const Shot& shot : rig.shots) {
-            const auto [other, fresh] = names.try_emplace(shot.name, &shot.image);
-            const bool same =
-                other->second->path == shot.image.path && other->second->video_frame == shot.image.video_frame;
-            if ((!fresh && !same) || shot.name == kSheetName)
-                throw InputError(rig.file, shot.place,
-                                 fmt::format("two files would be called {}.png in the mattes' folder", shot.name),
-                                 "give the images distinct names");
-        }
+BothSplits read_rigs(const MatteJob& job) {
+    return read_both_splits(job.dataset, job.format);
 }
 
 // The values of a matte of another program: its alpha where it has one, else the brightest of R, G and B.
@@ -227,21 +196,21 @@ std::vector<std::vector<const Shot*>> shots_by_camera(const Rig& rig) {
 }  // namespace
 
 MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress) {
-    const Rigs rigs = read_rigs(job);
-    expect_distinct_names(rigs.all);
+    const BothSplits both = read_rigs(job);
+    expect_distinct_names(both.rigs, "the mattes' folder", kSheetName);
     MatteSummary summary;
     uint64_t total = 0;
-    for (const Rig& rig : rigs.all) {
+    for (const Rig& rig : both.rigs) {
         total += rig.shots.size();
         summary.cameras += static_cast<uint32_t>(rig.cameras.size());
     }
     const std::vector<std::vector<ImageSource>> brought = job.from.empty()
-                                                              ? std::vector<std::vector<ImageSource>>(rigs.all.size())
-                                                              : find_brought_mattes(job.from, rigs.all);
+                                                              ? std::vector<std::vector<ImageSource>>(both.rigs.size())
+                                                              : find_brought_mattes(job.from, both.rigs);
     MatteMaker maker(job, progress, total, summary.cameras);
     bool go_on = true;
-    for (size_t r = 0; r < rigs.all.size(); ++r) {
-        const Rig& rig = rigs.all[r];
+    for (size_t r = 0; r < both.rigs.size(); ++r) {
+        const Rig& rig = both.rigs[r];
         const auto shots = shots_by_camera(rig);
         for (uint32_t camera = 0; camera < rig.cameras.size() && go_on; ++camera)
             if (!shots[camera].empty()) go_on = maker.make(rig, camera, shots[camera], brought[r]);
@@ -251,7 +220,7 @@ MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress) {
     summary.cameras_with_plate = maker.plates();
     summary.shows_performer = maker.shows_performer();
     summary.white_borders = maker.white_borders();
-    summary.missing_split = rigs.missing;
+    summary.missing_split = both.missing;
     return summary;
 }
 
@@ -286,13 +255,13 @@ std::vector<std::string> matte_sources(const std::vector<Rig>& splits) {
 }
 
 std::vector<std::string> matte_sources(const MatteJob& job) {
-    return matte_sources(read_rigs(job).all);
+    return matte_sources(read_rigs(job).rigs);
 }
 
 uint64_t count_existing_mattes(const MatteJob& job) {
     uint64_t existing = 0;
     std::error_code ignored;
-    for (const Rig& rig : read_rigs(job).all)
+    for (const Rig& rig : read_rigs(job).rigs)
         for (const Shot& shot : rig.shots)
             existing += std::filesystem::exists(job.output / (shot.name + ".png"), ignored);
     return existing;

@@ -1,0 +1,27 @@
+// The training and the test split of a data set together, for what is done with all images.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "training/data/layouts/rig/rig.h"
+
+namespace neuvv::training {
+
+struct BothSplits {
+    std::vector<Rig> rigs;      // those that can be read, at least one
+    std::vector<Split> splits;  // of each of them
+    Note missing;               // why one of the two cannot be, as a data set need not have both; else empty
+};
+
+// Throws InputError where neither can be read.
+BothSplits read_both_splits(const std::filesystem::path& folder, const std::string& format,
+                            const std::string& holdout = "");
+
+// Throws InputError where two images of the splits have one name, or one is called `taken`, of files that are to be
+// written into `folder`, "the mattes' folder".
+void expect_distinct_names(const std::vector<Rig>& rigs, const std::string& folder, const std::string& taken = "");
+
+}  // namespace neuvv::training
