@@ -15,7 +15,7 @@ void find_plates(Rig& rig) {
     for (RigCamera& camera : rig.cameras) {
         const ImageSource plate = image_or_video(folder, camera.name);
         if (!camera.plate.path.empty())
-            overruled += !plate.path.empty();
+            overruled += !plate.path.empty() && plate.path != camera.plate.path.lexically_normal();
         else if (!plate.path.empty())
             camera.plate = plate;
         else
