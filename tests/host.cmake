@@ -76,6 +76,7 @@ neuvv_test(dataset_test HOSTILE
     training/dataset_test.cpp
     training/lens_test.cpp
     training/images_test.cpp
+    training/write_dataset_test.cpp
     training/tiled_image_test.cpp
     training/layouts/nerf_test.cpp
     training/layouts/colmap_test.cpp

@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/formats/json.h"
 #include "base/output_path.h"
 #include "tools/results.h"
+#include "training/data/write_dataset.h"
 
 namespace neuvv::tools {
 
@@ -26,6 +28,24 @@ std::vector<std::filesystem::path> captured_files(const std::filesystem::path& f
     for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
         if (std::regex_match(entry.path().filename().string(), kName)) files.push_back(entry.path());
     return files;
+}
+
+// Whether this program wrote the data set in the folder, as one of its files says.
+bool is_written_dataset(const std::filesystem::path& folder) {
+    for (const char* name : training::kWrittenFiles) try {
+            const JsonFile file = read_json(folder / name, "a data set");
+            if (file.document.contains("written_by") && file.document["written_by"] == training::kWrittenBy)
+                return true;
+        } catch (const InputError&) {  // it is not there, or of another program
+        }
+    return false;
+}
+
+bool lies_within(const std::filesystem::path& inner, const std::filesystem::path& outer) {
+    std::error_code error;
+    const std::filesystem::path a = std::filesystem::weakly_canonical(inner, error),
+                                b = std::filesystem::weakly_canonical(outer, error), relative = a.lexically_relative(b);
+    return a == b || (!relative.empty() && *relative.begin() != "..");
 }
 
 }  // namespace
@@ -70,6 +90,36 @@ void UnfinishedFolder::finish() const {
                 std::filesystem::rename(file, folder_ / name / file.filename());
         }
         for (const char* name : kFiles)
+            if (std::filesystem::exists(path() / name)) std::filesystem::rename(path() / name, folder_ / name);
+    } catch (const std::filesystem::filesystem_error& error) {
+        throw RuntimeFailure(fmt::format("{}: cannot be written: {}", folder_.string(), error.code().message()));
+    }
+}
+
+UnfinishedDataset::UnfinishedDataset(std::filesystem::path folder, const std::filesystem::path& from)
+    : folder_(std::move(folder)) {
+    if (lies_within(from, folder_))
+        throw InputError("--output", folder_.string(), "holds the data set that is read", "choose another folder");
+    prepare_output_folder("--output", folder_);
+    std::error_code ignored;
+    bool empty = true;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_, ignored))
+        empty = empty && entry.path().filename() == "unfinished";
+    if (!empty && !is_written_dataset(folder_))
+        throw InputError("--output", folder_.string(), "holds other files than such a data set",
+                         "choose an empty folder or a new one");
+    if (!empty) expect_replaceable("--output", folder_);
+    files_.emplace(folder_);
+}
+
+void UnfinishedDataset::finish() const {
+    try {
+        for (const char* name : training::kWrittenFiles) std::filesystem::remove(folder_ / name);
+        for (const char* name : training::kWrittenFolders) {
+            std::filesystem::remove_all(folder_ / name);
+            if (std::filesystem::exists(path() / name)) std::filesystem::rename(path() / name, folder_ / name);
+        }
+        for (const char* name : training::kWrittenFiles)
             if (std::filesystem::exists(path() / name)) std::filesystem::rename(path() / name, folder_ / name);
     } catch (const std::filesystem::filesystem_error& error) {
         throw RuntimeFailure(fmt::format("{}: cannot be written: {}", folder_.string(), error.code().message()));

@@ -40,4 +40,20 @@ class UnfinishedFolder {
     std::optional<UnfinishedFiles> files_;  // once it is known that the folder may be written
 };
 
+// A data set that is written (training/data/write_dataset.h).
+class UnfinishedDataset {
+  public:
+    // Throws InputError where the folder is that of the data set or holds it, where it holds other files than such a
+    // data set, and where it holds one, unless --overwrite says that it is replaced.
+    UnfinishedDataset(std::filesystem::path folder, const std::filesystem::path& from);
+
+    std::filesystem::path path() const { return files_->path(); }
+    // Removes an earlier data set, and moves this one into its place. Throws RuntimeFailure.
+    void finish() const;
+
+  private:
+    std::filesystem::path folder_;
+    std::optional<UnfinishedFiles> files_;
+};
+
 }  // namespace neuvv::tools

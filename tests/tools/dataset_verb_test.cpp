@@ -124,6 +124,50 @@ TEST_F(DatasetVerb, SaysWhichMattesCountAndMatteLeavesThem) {
     EXPECT_EQ(field(say({"--holdout", "0"}), "train"), "9 cameras: eye0 eye1 eye2 eye3 eye4 eye5 eye6 eye7 eye8");
 }
 
+// What other programs are to read is written whole, and nothing of anybody else is replaced.
+TEST_F(DatasetVerb, WritesTransformsForOtherPrograms) {
+    write_colmap_capture();
+    const std::filesystem::path data = folder.path / "data", out = folder.path / "out";
+    const std::vector<std::string> command{"dataset", data.string(), "-o", out.string(), "--as", "transforms"};
+    const auto again = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), command.begin(), command.end());
+        return more;
+    };
+    expect_refused({"dataset", data.string(), "--as", "transforms"}, 2, {"--as", "--output"});
+    const ProgramResult wrote = run_neuvv(command);
+    ASSERT_EQ(wrote.code, 0) << wrote.err;
+    EXPECT_NE(wrote.out.find("out: 9 images of 7 train and 2 test cameras, without mattes, no plates"),
+              std::string::npos)
+        << wrote.out;
+    EXPECT_NE(wrote.err.find("dataset 9/9"), std::string::npos) << "progress: " << wrote.err;
+    EXPECT_FALSE(std::filesystem::exists(out / "unfinished"));
+    const ProgramResult read = run_neuvv({"dataset", out.string()});
+    EXPECT_EQ(read.code, 0) << read.err;
+    EXPECT_NE(read.out.find("train     7 cameras: eye1_0"), std::string::npos) << read.out;
+    expect_refused(command, 2, {"out", "is there already", "--overwrite"});
+
+    test::write_grey_png(out / "mattes" / "eye1_0.png", 64, 48);
+    const std::string before = read_text(out / "transforms_train.json");
+    std::filesystem::resize_file(data / "images" / "eye8.png", 20);
+    EXPECT_EQ(run_neuvv(again({"--overwrite"})).code, 2);
+    EXPECT_EQ(read_text(out / "transforms_train.json"), before) << "a failure leaves all as it was";
+    EXPECT_TRUE(std::filesystem::exists(out / "mattes" / "eye1_0.png"));
+    test::write_grey_png(data / "images" / "eye8.png", 64, 48);
+    EXPECT_EQ(run_neuvv(again({"--overwrite", "--holdout", "eye3"})).code, 0);
+    EXPECT_FALSE(std::filesystem::exists(out / "mattes")) << "of the images that were replaced";
+    EXPECT_NE(read_text(out / "transforms_test.json").find("eye3_0.png"), std::string::npos);
+
+    const std::string other = (folder.path / "other").string();
+    write_text(folder.path / "other" / "images" / "mine.png", "");
+    expect_refused({"dataset", data.string(), "-o", other, "--as", "transforms", "--overwrite"}, 2,
+                   {"other", "holds other files"});
+    for (const std::string& holder : {data.string(), folder.path.string()})
+        expect_refused({"dataset", data.string(), "-o", holder, "--as", "transforms", "--overwrite"}, 2,
+                       {"holds the data set that is read"});
+    expect_refused({"dataset", out.string(), "-o", out.string(), "--as", "transforms", "--overwrite"}, 2,
+                   {"holds the data set that is read"});
+}
+
 // Mattes that are corrected by hand are the work of hours.
 TEST_F(DatasetVerb, MattesAreReplacedAllOrNone) {
     write_colmap_capture();

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/output_path.h"
 #include "tools/commands.h"
+#include "tools/data/dataset_files.h"
 #include "tools/data/rig_drawing.h"
 #include "tools/image_drawing.h"
 #include "tools/options.h"
@@ -34,7 +35,7 @@ constexpr size_t kMaxPrintedNames = 40;
 constexpr uint32_t kSheetCell = 200;  // pixels a side, of the contact sheet
 
 struct DatasetOptions {
-    std::string folder, format = training::kAnyFormat, holdout, split = "train", output;
+    std::string folder, format = training::kAnyFormat, holdout, split = "train", output, as;
     bool search_rig = false;
 };
 
@@ -304,14 +305,23 @@ void add_dataset(Command app, CommonOptions& common) {
     verb.add_option("dataset", options->folder, "The data set's folder").required();
     add_format_option(verb, options->format);
     add_holdout_option(verb, options->holdout);
-    verb.add_option("--split", options->split, "Whose images are read").one_of({"train", "test"}).show_default();
-    verb.add_option("-o,--output", options->output,
-                    "Write rig.png (cameras and the scene's box from above and from the side; train blue, test "
-                    "orange) and contact_sheet.png (an image of each camera) into this folder");
-    verb.add_flag("--rig", options->search_rig,
-                  "Also train a draft of the training images, for a minute or more, and print for each camera what it "
-                  "says: how far its images are off, its gains, exposures, vignetting, and how late it is; with -o, "
-                  "cameras.png shows it");
+    Option split =
+        verb.add_option("--split", options->split, "Whose images are read").one_of({"train", "test"}).show_default();
+    Option output =
+        verb.add_option("-o,--output", options->output,
+                        "Write rig.png (cameras and the scene's box from above and from the side; train blue, test "
+                        "orange) and contact_sheet.png (an image of each camera) into this folder");
+    Option rig = verb.add_flag(
+        "--rig", options->search_rig,
+        "Also train a draft of the training images, for a minute or more, and print for each camera what it says: how "
+        "far its images are off, its gains, exposures, vignetting, and how late it is; with -o, cameras.png shows it");
+    verb.add_option("--as", options->as,
+                    "Instead, write all images into this folder, without lens distortion, for other programs: as "
+                    "transforms_train.json, transforms_test.json, images/, mattes/, masks/ and plates/")
+        .one_of({"transforms"})
+        .needs(output)
+        .excludes(split)
+        .excludes(rig);
     verb.footer(
         {"Reads the calibration whole, and of the images those of at most 64 cameras at 3 times; --rig\n"
          "reads all training images.\n"
@@ -323,8 +333,11 @@ void add_dataset(Command app, CommonOptions& common) {
          "  neuvv dataset work/performer\n"
          "  neuvv dataset work/performer -o work/look\n"
          "  neuvv dataset work/performer --rig -o work/rig\n"
-         "  neuvv dataset work/performer --split test --format nerf"});
+         "  neuvv dataset work/performer --split test --format nerf\n"
+         "  neuvv dataset work/performer -o work/copy --as transforms"});
     verb.callback([options, &common] {
+        if (!options->as.empty())
+            return write_as_transforms({options->folder, options->output, options->format, options->holdout});
         run(*options);
         if (options->search_rig) report_rig(*options, common);
     });

@@ -1,0 +1,159 @@
+#include "training/data/write_dataset.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <mutex>
+
+#include "base/threads/parallel.h"
+#include "media/image.h"
+#include "training/data/both_splits.h"
+#include "training/data/camera_images.h"
+#include "training/data/images.h"
+#include "training/data/make_mattes.h"
+#include "training/data/transforms_file.h"
+
+namespace neuvv::training {
+
+namespace {
+
+std::string file_name(std::string name) {
+    std::ranges::replace(name, '/', '_');
+    return name + ".png";
+}
+
+void make_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw RuntimeFailure(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
+}
+
+// A grey image of a value for each pixel.
+template <typename Value>
+media::Image grey_of(const media::Image& like, const Value& value) {
+    media::Image grey(like.width, like.height);
+    for (size_t i = 0; i < grey.rgba.size() / 4; ++i) {
+        std::fill_n(&grey.rgba[4 * i], 3, value(i));
+        grey.rgba[4 * i + 3] = 255;
+    }
+    return grey;
+}
+
+// Whether pixels may be ignored: those that masks exclude, and those that a lens with distortion never saw.
+bool may_ignore(const std::vector<Rig>& rigs) {
+    return std::ranges::any_of(rigs, [](const Rig& rig) {
+        const bool excludes = rig.masks == MaskMeaning::kUsable || rig.masks == MaskMeaning::kIgnore;
+        return std::ranges::any_of(rig.cameras, [](const RigCamera& camera) { return camera.lens.distorts(); }) ||
+               (excludes && std::ranges::any_of(rig.shots, [](const Shot& shot) { return !shot.mask.path.empty(); }));
+    });
+}
+
+// Counts images as done, on several threads.
+class Count {
+  public:
+    Count(const WriteProgress& progress, uint64_t total) : progress_(progress), total_(total) {}
+    bool stopped() const { return stopped_; }
+    void add() {
+        const std::scoped_lock lock(mutex_);
+        ++done_;
+        if (progress_ && !progress_(done_, total_)) stopped_ = true;
+    }
+
+  private:
+    const WriteProgress& progress_;
+    const uint64_t total_;
+    uint64_t done_ = 0;
+    std::atomic<bool> stopped_ = false;
+    std::mutex mutex_;
+};
+
+// Writes the images of one split.
+class SplitWriter {
+  public:
+    SplitWriter(const WriteJob& job, const WriteSummary& summary, const Rig& rig, Count& count)
+        : output_(job.output), summary_(summary), rig_(rig), cameras_(cameras_of(rig)), count_(count) {}
+
+    void write_images() {
+        std::vector<std::vector<const Shot*>> shots(rig_.cameras.size());
+        for (const Shot& shot : rig_.shots) shots[shot.camera].push_back(&shot);
+        parallel_for(shots.size(), 1, [&](size_t begin, size_t end) {
+            for (size_t c = begin; c < end && !count_.stopped(); ++c) write_camera(c, shots[c]);
+        });
+    }
+    void write_file(const std::filesystem::path& file) const {
+        std::vector<stage::Camera> cameras = cameras_;
+        for (stage::Camera& camera : cameras)
+            camera.world_from_camera = rig_.frame.pose_to_capture(camera.world_from_camera);
+        WrittenTransforms transforms{cameras, {}, rig_.box, rig_.fps, kWrittenBy};
+        if (rig_.box)
+            transforms.box = {rig_.frame.to_capture(rig_.box->first), rig_.frame.to_capture(rig_.box->second)};
+        for (const Shot& shot : rig_.shots) {
+            const RigCamera& camera = rig_.cameras[shot.camera];
+            transforms.frames.push_back({shot.camera, shot.time, "images/" + file_name(shot.name),
+                                         camera.plate.path.empty() ? "" : "plates/" + file_name(camera.name),
+                                         summary_.masks ? "masks/" + file_name(shot.name) : ""});
+        }
+        write_transforms_file(file, transforms);
+    }
+
+  private:
+    void write_camera(size_t c, const std::vector<const Shot*>& shots) {
+        CameraImages images(rig_, static_cast<uint32_t>(c), cameras_[c]);
+        if (images.plate().width > 0) write("plates", rig_.cameras[c].name, images.plate());
+        for (const Shot* shot : shots) {
+            if (count_.stopped()) return;
+            const CameraImage read = images.read(*shot, Background::kCaptured);
+            const media::Image& image = read.image;
+            write("images", shot->name, image);
+            if (summary_.mattes)
+                write("mattes", shot->name, grey_of(image, [&](size_t i) { return image.rgba[4 * i + 3]; }));
+            if (summary_.masks)
+                write("masks", shot->name, grey_of(image, [&](size_t i) {
+                          return static_cast<uint8_t>(!read.ignored.empty() && read.ignored[i] ? 0 : 255);
+                      }));
+            count_.add();
+        }
+    }
+    void write(const char* folder, const std::string& name, const media::Image& image) const {
+        media::write_png(output_ / folder / file_name(name), image);
+    }
+
+    const std::filesystem::path& output_;
+    const WriteSummary& summary_;
+    const Rig& rig_;
+    const std::vector<stage::Camera> cameras_;
+    Count& count_;
+};
+
+}  // namespace
+
+WriteSummary write_dataset(const WriteJob& job, const WriteProgress& progress) {
+    const BothSplits both = read_both_splits(job.dataset, job.format, job.holdout);
+    expect_distinct_names(both.rigs, "images/");
+    WriteSummary summary{.mattes = !matte_sources(both.rigs).empty(), .masks = may_ignore(both.rigs)};
+    summary.missing_split = both.missing;
+    for (size_t r = 0; r < both.rigs.size(); ++r) {
+        const Rig& rig = both.rigs[r];
+        (both.splits[r] == Split::kTest ? summary.test_cameras : summary.train_cameras) = rig.cameras.size();
+        summary.images += rig.shots.size();
+        for (const RigCamera& camera : rig.cameras) summary.plates += !camera.plate.path.empty();
+    }
+    for (const auto& [folder, needed] : {std::pair("images", true), std::pair("mattes", summary.mattes),
+                                         std::pair("masks", summary.masks), std::pair("plates", summary.plates > 0)})
+        if (needed) make_folder(job.output / folder);
+    Count count(progress, summary.images);
+    std::vector<std::unique_ptr<SplitWriter>> writers;
+    for (const Rig& rig : both.rigs) {
+        writers.push_back(std::make_unique<SplitWriter>(job, summary, rig, count));
+        writers.back()->write_images();
+    }
+    if (count.stopped()) return summary;
+    for (size_t r = 0; r < writers.size(); ++r)
+        writers[r]->write_file(job.output / kWrittenFiles[both.splits[r] == Split::kTest ? 0 : 1]);
+    summary.complete = true;
+    return summary;
+}
+
+}  // namespace neuvv::training

@@ -1,0 +1,43 @@
+// Writes a data set of any layout as files that other programs read: images without lens distortion.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "base/error.h"
+
+namespace neuvv::training {
+
+// `written_by` of the transforms files (transforms_file.h).
+constexpr const char* kWrittenBy = "neuvv dataset";
+// The folders and files of such a data set. The last are those that say that the others are whole.
+constexpr const char* kWrittenFolders[] = {"images", "mattes", "masks", "plates"};
+constexpr const char* kWrittenFiles[] = {"transforms_test.json", "transforms_train.json"};
+
+struct WriteJob {
+    std::filesystem::path dataset, output;
+    std::string format = "auto", holdout;  // as in LoadOptions
+};
+
+struct WriteSummary {
+    bool complete = false;  // false: the caller stopped it
+    uint64_t images = 0, train_cameras = 0, test_cameras = 0, plates = 0;
+    bool mattes = false, masks = false;
+    Note missing_split;  // why one of the two splits was left out, as a data set need not have both; else empty
+};
+
+// Receives how many images are done, and of how many; returns false to stop.
+using WriteProgress = std::function<bool(uint64_t done, uint64_t total)>;
+
+// Writes output/transforms_train.json and transforms_test.json, in the coordinates of the capture with +Y up, and
+// - images/NAME.png, straight alpha being the matte, with what the camera saw where alpha is 0;
+// - mattes/NAME.png, that alpha in grey, where the data set has mattes;
+// - masks/NAME.png, black where nothing is known of a pixel, where there are such pixels (nerfstudio's mask_path);
+// - plates/CAMERA.png, the clean plates.
+// NAME is that of the data set. What is read from these files is what is read from the data set itself. Throws
+// InputError where neither split can be read, for images that cannot be read, and where two have one name;
+// RuntimeFailure where a file cannot be written.
+WriteSummary write_dataset(const WriteJob& job, const WriteProgress& progress);
+
+}  // namespace neuvv::training
