@@ -83,6 +83,30 @@ TEST_F(Candidates, TheNewestCalibrationCounts) {
     EXPECT_NE(remarks_of(read()).find("the last by name of files of one date"), std::string::npos);
 }
 
+// In all layouts with images by camera: cameras called after serial numbers have the folders and videos that there are.
+TEST_F(Candidates, CamerasWhoseNamesNobodyHasAreTakenInOrder) {
+    write_text(folder.path / "Calib.toml", toml(3));
+    for (const char* name : {"shots_2", "shots_10"}) put_image(std::string("images/") + name + "/000.png");
+    training::Rig rig = read();
+    EXPECT_EQ(rig.cameras.at(0).name, "shots_10");
+    EXPECT_EQ(remarks_of(rig),
+              "camera c0: images/shots_2/, by their order\ncamera c1: images/shots_10/, by their order\n");
+    put_image("images/shots_3/000.png");
+    expect_input_error([&] { read(); }, {"Calib.toml", "2 cameras", "images/ has the images of 3"});
+    put_image("images/c1/000.png");
+    expect_input_error([&] { read(); }, {"one camera with images"});
+    std::filesystem::remove_all(folder.path / "images");
+    std::filesystem::remove(folder.path / "Calib.toml");
+
+    write_text(folder.path / "cameras.csv",
+               "#name,x,y,alt,heading,pitch,roll,f\na.jpg,0,0,1,0,90,0,18\nb.jpg,0,0,2,0,90,0,18\n");
+    for (const char* name : {"left", "right"}) put_image(std::string("images/") + name + "/000.png");
+    rig = read();
+    EXPECT_EQ(rig.format, "realitycapture");
+    EXPECT_EQ(rig.cameras.at(0).name, "right");
+    EXPECT_NEAR(rig.cameras[0].world_from_camera[3].y, 2, 1e-12);
+}
+
 TEST_F(Candidates, TablesOfRealityCaptureHaveDates) {
     for (const char* name : {"a.png", "b.png"}) put_image(std::string("images/") + name);
     const auto table = [](double height) {
@@ -258,7 +282,9 @@ TEST_F(Candidates, EndingsOfVideosInAnyCase) {
     put_image("images/c0/0.png");
     std::filesystem::create_directories(folder.path / "videos");
     write_text(folder.path / "videos" / "c1.M4v", "");
-    EXPECT_EQ(training::videos_in(folder.path / "videos"), (std::vector<std::string>{"c1"}));
+    EXPECT_EQ(training::names_of_images(folder.path).names, (std::vector<std::string>{"c0"}));
+    std::filesystem::remove_all(folder.path / "images");
+    EXPECT_EQ(training::names_of_images(folder.path).names, (std::vector<std::string>{"c1"}));
     EXPECT_TRUE(training::has_images(folder.path, "c1"));
     write_text(folder.path / "videos" / "c2.mp4", "");
     write_text(folder.path / "videos" / "c2.MOV", "");

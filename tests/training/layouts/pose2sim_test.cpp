@@ -89,7 +89,7 @@ TEST_F(Pose2Sim, VideosOfOtherNamesBelongToCamerasByOrder) {
     ASSERT_EQ(rig.remarks.size(), 3u);
     EXPECT_EQ(rig.remarks[1], "camera cam_2: videos/middle.*, by their order");
     write_videos({"another"});
-    expect_input_error([&] { read(); }, {"Calib_scene.toml", "3 cameras", "4 videos"});
+    expect_input_error([&] { read(); }, {"Calib_scene.toml", "3 cameras", "videos/ has the images of 4"});
 }
 
 TEST_F(Pose2Sim, DamageIsNamed) {

@@ -57,8 +57,7 @@ Rig read_panoptic_rig(const std::filesystem::path& folder, Split split);
 bool has_polycam_files(const std::filesystem::path& folder);
 Rig read_polycam_rig(const std::filesystem::path& folder, Split split);
 
-// Pose2Sim or anipose: Calib.toml, beside videos or images by camera. Where no camera's name is that of a video, the
-// videos belong to the cameras in natural order, as in Pose2Sim.
+// Pose2Sim or anipose: Calib.toml, beside videos or images by camera.
 bool has_pose2sim_files(const std::filesystem::path& folder);
 Rig read_pose2sim_rig(const std::filesystem::path& folder, Split split);
 

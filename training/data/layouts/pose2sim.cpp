@@ -150,29 +150,6 @@ std::vector<CalibratedCamera> read_cameras(Rig& rig) {
     return result;
 }
 
-bool any_has_images(const std::filesystem::path& folder, const std::vector<CalibratedCamera>& cameras) {
-    return std::ranges::any_of(
-        cameras, [&](const CalibratedCamera& from) { return !frames_of_camera(folder, from.camera.name).empty(); });
-}
-
-// Pose2Sim names cameras after the images of their calibration, and takes the videos in natural order: so do we where
-// no camera's name is that of a video.
-void name_after_videos(Rig& rig, std::vector<CalibratedCamera>& cameras) {
-    if (any_has_images(rig.folder, cameras)) return;
-    const std::vector<std::string> videos = videos_in(rig.folder / "videos");
-    if (videos.empty()) return;  // there may be an image of each
-    if (videos.size() != cameras.size())
-        throw InputError(rig.file, "",
-                         fmt::format("has {} cameras, but videos/ has {} videos, none of which bears the "
-                                     "name of one",
-                                     cameras.size(), videos.size()),
-                         "name the videos after the cameras, or give one for each");
-    for (size_t i = 0; i < videos.size(); ++i) {
-        rig.remarks.push_back(fmt::format("camera {}: videos/{}.*, by their order", cameras[i].camera.name, videos[i]));
-        cameras[i].camera.name = videos[i];
-    }
-}
-
 }  // namespace
 
 bool has_pose2sim_files(const std::filesystem::path& folder) {
@@ -190,9 +167,7 @@ Rig read_pose2sim_rig(const std::filesystem::path& folder, Split split) {
     rig.file = path.string();
     rig.world = "metres, as Pose2Sim has them (anipose: the unit of its board); +Y up, turned from +Z up";
     if (!remark.empty()) rig.remarks.push_back(remark);
-    std::vector<CalibratedCamera> cameras = read_cameras(rig);
-    name_after_videos(rig, cameras);
-    add_cameras(rig, find_images(rig, cameras), split);
+    add_cameras(rig, find_images(rig, read_cameras(rig)), split);
     return rig;
 }
 

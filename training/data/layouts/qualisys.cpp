@@ -126,14 +126,16 @@ Rig read_qualisys_rig(const std::filesystem::path& folder, Split split) {
     rig.file = path.string();
     if (!remark.empty()) rig.remarks.push_back(remark);
     std::vector<CalibratedCamera> calibrated;
-    std::vector<XmlNode> used;  // those with images: cameras that see only markers are in the file, too
+    std::vector<XmlNode> nodes, used;  // used: with images, as cameras that see only markers are in the file, too
     for (const XmlNode& node : root.child("cameras").children("camera")) {
         if (!node.find("fov_video")) continue;
         CalibratedCamera& camera = calibrated.emplace_back(CalibratedCamera{{}, node.place()});
         camera.camera.name = node.text("serial");
-        expect_inside(camera.camera.name, rig.file, camera.place);
-        if (has_images(folder, camera.camera.name)) used.push_back(node);
+        nodes.push_back(node);
     }
+    pair_by_order(rig, calibrated);
+    for (size_t i = 0; i < nodes.size(); ++i)
+        if (has_images(folder, calibrated[i].camera.name)) used.push_back(nodes[i]);
     const double metre = units_per_metre(used), distortion_units = root.text("qtm-version") == "none" ? kSubpixels : 1;
     rig.world = fmt::format("metres, from {}; +Y up, turned from +Z up", metre > 1 ? "millimetres" : "metres");
     auto node = used.begin();

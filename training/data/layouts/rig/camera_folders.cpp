@@ -98,13 +98,30 @@ void name_by_time(Rig& rig, std::vector<CameraFrames>& cameras) {
     add_remarks(rig, clip.texts);
 }
 
-std::vector<CameraFrames> find_images(Rig& rig, const std::vector<CalibratedCamera>& calibrated) {
+void pair_by_order(Rig& rig, std::vector<CalibratedCamera>& cameras) {
+    for (const CalibratedCamera& from : cameras) expect_inside(from.camera.name, rig.file, from.place);
+    if (std::ranges::any_of(cameras, [&](const auto& from) { return has_images(rig.folder, from.camera.name); }))
+        return;
+    const NamesOfImages found = names_of_images(rig.folder);
+    if (found.names.empty()) return;
+    if (found.names.size() != cameras.size())
+        throw InputError(rig.file, "",
+                         fmt::format("has {} cameras, but {} has the images of {}, none of which bears the name of one",
+                                     cameras.size(), found.folder, found.names.size()),
+                         "name them after the cameras, or give one for each");
+    for (size_t i = 0; i < cameras.size(); ++i) {
+        rig.remarks.push_back(fmt::format("camera {}: {}, by their order", cameras[i].camera.name, found.places[i]));
+        cameras[i].camera.name = found.names[i];
+    }
+}
+
+std::vector<CameraFrames> find_images(Rig& rig, std::vector<CalibratedCamera> calibrated) {
+    pair_by_order(rig, calibrated);
     const std::filesystem::path masks = masks_folder(rig.folder);
     std::vector<CameraFrames> cameras;
     std::set<std::string> seen;
     for (const CalibratedCamera& from : calibrated) {
         const std::string& name = from.camera.name;
-        expect_inside(name, rig.file, from.place);
         if (!seen.insert(name).second)
             throw InputError(rig.file, from.place, fmt::format("is another camera of the name {}", name),
                              "give each camera its own name");

@@ -34,12 +34,17 @@ struct CameraFrames {
 // Cameras without videos stay as they are.
 void name_by_time(Rig& rig, std::vector<CameraFrames>& cameras);
 
-// The frames and the masks of each camera: those of frames_of_camera, by name_by_time, else one image images/<camera>.*
-// or <camera>.*, whose mask is masks/<camera>.*. Every camera is a group of its own. Cameras without images are left
-// out; rig.remarks says how many. Where images are scaled copies of those that the calibration is for, lenses are
-// scaled, too. Throws InputError for names that are no names within the data set's folder, or given twice, and where no
-// camera has images.
-std::vector<CameraFrames> find_images(Rig& rig, const std::vector<CalibratedCamera>& cameras);
+// Where no camera has images of its name, as those that are called after a serial number, names them after the folders
+// of images or the videos that there are, in their order, and says so. Throws InputError for names that are no names
+// within the data set's folder, and where there are not as many cameras as folders or videos.
+void pair_by_order(Rig& rig, std::vector<CalibratedCamera>& cameras);
+
+// The frames and the masks of each camera, after pair_by_order: those of frames_of_camera, by name_by_time, else one
+// image images/<camera>.* or <camera>.*, whose mask is masks/<camera>.*. Every camera is a group of its own. Cameras
+// without images are left out; rig.remarks says how many. Where images are scaled copies of those that the calibration
+// is for, lenses are scaled, too. Throws InputError for names that are no names within the data set's folder, or given
+// twice, and where no camera has images.
+std::vector<CameraFrames> find_images(Rig& rig, std::vector<CalibratedCamera> cameras);
 
 // An image that a file lists and that is not there.
 struct MissingImage {

@@ -200,11 +200,21 @@ ImageSource image_or_video(const std::filesystem::path& folder, const std::strin
     return video.empty() ? ImageSource() : ImageSource{video, 0};
 }
 
-std::vector<std::string> videos_in(const std::filesystem::path& folder) {
-    std::set<std::string, NaturalOrder> names;
-    for (const auto& entry : entries_of(folder))
-        if (is_video(entry)) names.insert(entry.stem().string());
-    return {names.begin(), names.end()};
+NamesOfImages names_of_images(const std::filesystem::path& folder) {
+    const auto in = [&](const std::filesystem::path& parent, bool videos) {
+        std::set<std::string, NaturalOrder> names;
+        if (parent == folder) return NamesOfImages();  // which holds much else
+        for (const auto& entry : entries_of(parent))
+            if (videos ? is_video(entry) : !images_in(entry).empty())
+                names.insert(videos ? entry.stem().string() : entry.filename().string());
+        NamesOfImages found{parent.filename().string() + "/", {names.begin(), names.end()}, {}};
+        for (const std::string& name : names) found.places.push_back(found.folder + name + (videos ? ".*" : "/"));
+        return found;
+    };
+    for (const bool videos : {false, true})
+        for (const auto& parent : videos ? video_folders(folder) : image_folders(folder))
+            if (NamesOfImages found = in(parent, videos); !found.names.empty()) return found;
+    return {};
 }
 
 std::filesystem::path first_folder(const std::filesystem::path& folder, std::initializer_list<const char*> names) {

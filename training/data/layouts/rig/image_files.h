@@ -48,8 +48,13 @@ Frames frames_of_camera(const std::filesystem::path& folder, const std::string& 
 // The image <name>.*, else the video <name>.* or *_<name>.* at its first frame; an empty path where there is neither.
 ImageSource image_or_video(const std::filesystem::path& folder, const std::string& name);
 
-// The names of a folder's videos, without extension, in natural order.
-std::vector<std::string> videos_in(const std::filesystem::path& folder);
+// The names of cameras by those of the folders of images in images/ or its like, or else of the videos in videos/ or
+// its like, in natural order. `places`: where each of them has its images, as "images/left/" or "videos/left.*".
+struct NamesOfImages {
+    std::string folder;  // "images/"
+    std::vector<std::string> names, places;
+};
+NamesOfImages names_of_images(const std::filesystem::path& folder);
 
 // The path of the first of `names` that is a folder inside `folder`; empty where none is.
 std::filesystem::path first_folder(const std::filesystem::path& folder, std::initializer_list<const char*> names);
