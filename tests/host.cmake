@@ -106,8 +106,10 @@ neuvv_test(layouts_test HOSTILE
     training/layouts/presentation_test.cpp
     training/layouts/candidates_test.cpp
     training/layouts/splits_test.cpp
+    training/layouts/every_layout_test.cpp
     training/layouts/world_of_rig_test.cpp
   LINKS neuvv_data nlohmann_json::nlohmann_json JPEG::JPEG PkgConfig::ffmpeg)
+target_compile_definitions(layouts_test PRIVATE NEUVV_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
 neuvv_test(metrics_test
   SOURCES
