@@ -1,6 +1,7 @@
 // Data sets written for other programs, read back.
 #include "training/data/write_dataset.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // ActorsHQ's captures.
 #include "training/data/layouts/loaders.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

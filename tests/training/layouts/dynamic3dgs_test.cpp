@@ -1,6 +1,7 @@
 // Captures as Dynamic 3D Gaussians reads them.
 #include "training/data/layouts/loaders.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,7 @@
 // Captures of CMU's Panoptic Studio.
 #include "training/data/layouts/loaders.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
