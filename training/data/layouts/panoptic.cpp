@@ -29,11 +29,16 @@ Choice panoptic_file(const std::filesystem::path& folder) {
     return newest_of(find_files_by_header(folder, ".json", {"\"cameras\"", "\"distCoef\""}));
 }
 
+std::string panoptic_name(const JsonNode& node) {
+    std::string name = without_extension(portable_name(json_string(node["name"])));
+    expect_inside(name, node.file, node.place);
+    return name;
+}
+
 CalibratedCamera panoptic_camera(const JsonNode& node) {
     CalibratedCamera result{{}, node.place};
     RigCamera& camera = result.camera;
-    camera.name = without_extension(portable_name(json_string(node["name"])));
-    expect_inside(camera.name, node.file, node.place);
+    camera.name = panoptic_name(node);
     const JsonNode k = node["K"], size = node["resolution"];
     std::vector<double> distortion;
     if (node.has("distCoef")) distortion = json_numbers(node["distCoef"], 5);
@@ -51,27 +56,33 @@ CalibratedCamera panoptic_camera(const JsonNode& node) {
 
 // The cameras of the first type that has images, in the order hd, vga, others. rig.remarks says which others have some.
 std::vector<CalibratedCamera> of_one_type(Rig& rig, const JsonNode& cameras) {
-    std::map<std::string, std::vector<CalibratedCamera>> types;
+    std::map<std::string, std::vector<JsonNode>> types;
+    std::vector<std::string> order, with_images;
+    for (const auto& [type, rate] : kRates) order.emplace_back(type);
     for (size_t i = 0; i < cameras.value.size(); ++i) {
         const JsonNode camera = cameras[i];
-        types[camera.has("type") ? json_string(camera["type"]) : ""].push_back(panoptic_camera(camera));
-    }
-    std::vector<std::string> order;
-    for (const auto& [type, rate] : kRates)
-        if (types.contains(type)) order.emplace_back(type);
-    for (const auto& [type, of_type] : types)
+        const std::string type = camera.has("type") ? json_string(camera["type"]) : "";
+        types[type].push_back(camera);
         if (std::ranges::find(order, type) == order.end()) order.push_back(type);
-    std::erase_if(order, [&](const std::string& type) {
-        return std::ranges::none_of(
-            types.at(type), [&](const CalibratedCamera& from) { return has_images(rig.folder, from.camera.name); });
-    });
-    if (order.empty()) return types.begin()->second;  // none of which has images
+    }
+    for (const std::string& type : order)
+        if (std::ranges::any_of(types[type],
+                                [&](const JsonNode& node) { return has_images(rig.folder, panoptic_name(node)); }))
+            with_images.push_back(type);
+    // Where none has images of its name, cameras may be taken in order.
+    const std::string chosen =
+        !with_images.empty()
+            ? with_images[0]
+            : *std::ranges::find_if(order, [&](const std::string& type) { return !types[type].empty(); });
     for (const auto& [type, rate] : kRates)
-        if (order[0] == type) rig.fps = rate;
-    if (order.size() > 1)
-        rig.remarks.push_back("cameras of the type " + choice_remark(order[0], {order.begin() + 1, order.end()}) +
+        if (chosen == type) rig.fps = rate;
+    if (with_images.size() > 1)
+        rig.remarks.push_back("cameras of the type " +
+                              choice_remark(chosen, {with_images.begin() + 1, with_images.end()}) +
                               ": frames of another type are of other times");
-    return types.at(order[0]);
+    std::vector<CalibratedCamera> result;
+    for (const JsonNode& node : types[chosen]) result.push_back(panoptic_camera(node));
+    return result;
 }
 
 }  // namespace
