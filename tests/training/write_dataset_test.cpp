@@ -176,6 +176,26 @@ TEST_F(WriteDataset, TheFileSaysWhatOtherProgramsNeed) {
     EXPECT_GT(std::abs(frame["transform_matrix"][0][3].get<double>()), 4000) << "in the capture's coordinates";
 }
 
+TEST_F(WriteDataset, CamerasKeepTheirNames) {
+    nlohmann::json document = {{"fl_x", 60}};
+    for (int camera = 1; camera <= 3; ++camera)
+        for (int frame = 0; frame < 2; ++frame) {
+            const std::string path = fmt::format("images/{:02}/{:04}.png", camera, frame);
+            test::write_grey_png(from() / path, 64, 48);
+            document["frames"].push_back(
+                {{"file_path", path},
+                 {"transform_matrix", {{1, 0, 0, camera}, {0, 1, 0, 0}, {0, 0, 1, 3}, {0, 0, 0, 1}}}});
+        }
+    write_text(from() / "transforms.json", document.dump());
+    write();
+    for (const Split split : {Split::kTrain, Split::kTest}) {
+        const training::Rig before = training::read_rig(from(), split), after = training::read_rig(to(), split);
+        ASSERT_EQ(before.cameras.size(), after.cameras.size());
+        for (size_t c = 0; c < before.cameras.size(); ++c) EXPECT_EQ(before.cameras[c].name, after.cameras[c].name);
+        EXPECT_EQ(before.shots[0].name, "images_" + after.shots[0].name);
+    }
+}
+
 TEST_F(WriteDataset, ItStopsWhereTheCallerSays) {
     write_capture(false);
     const training::WriteSummary wrote =

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <memory>
 #include <mutex>
 
@@ -21,7 +22,25 @@ namespace {
 
 std::string file_name(std::string name) {
     std::ranges::replace(name, '/', '_');
-    return name + ".png";
+    return name;
+}
+
+// What each image is called: what its name has from its camera's name on, so that readers, who call cameras by what the
+// names of their images have in common, call them as here. Where that makes two names one, images keep theirs.
+using ImageNames = std::map<const Shot*, std::string>;
+ImageNames image_names(const std::vector<Rig>& rigs) {
+    ImageNames names;
+    std::map<std::string, std::string> from;  // the images' own names, by the new ones
+    bool distinct = true;
+    for (const Rig& rig : rigs)
+        for (const Shot& shot : rig.shots) {
+            const size_t at = ("_" + shot.name).rfind("_" + file_name(rig.cameras[shot.camera].name) + "_");
+            names[&shot] = at == std::string::npos ? shot.name : shot.name.substr(at);
+            distinct = distinct && from.try_emplace(names[&shot], shot.name).first->second == shot.name;
+        }
+    if (!distinct)
+        for (auto& [shot, name] : names) name = shot->name;
+    return names;
 }
 
 void make_folder(const std::filesystem::path& folder) {
@@ -72,8 +91,8 @@ class Count {
 // Writes the images of one split.
 class SplitWriter {
   public:
-    SplitWriter(const WriteJob& job, const WriteSummary& summary, const Rig& rig, Count& count)
-        : output_(job.output), summary_(summary), rig_(rig), cameras_(cameras_of(rig)), count_(count) {}
+    SplitWriter(const WriteJob& job, const WriteSummary& summary, const Rig& rig, const ImageNames& names, Count& count)
+        : output_(job.output), summary_(summary), rig_(rig), names_(names), cameras_(cameras_of(rig)), count_(count) {}
 
     void write_images() {
         std::vector<std::vector<const Shot*>> shots(rig_.cameras.size());
@@ -91,9 +110,10 @@ class SplitWriter {
             transforms.box = {rig_.frame.to_capture(rig_.box->first), rig_.frame.to_capture(rig_.box->second)};
         for (const Shot& shot : rig_.shots) {
             const RigCamera& camera = rig_.cameras[shot.camera];
-            transforms.frames.push_back({shot.camera, shot.time, "images/" + file_name(shot.name),
-                                         camera.plate.path.empty() ? "" : "plates/" + file_name(camera.name),
-                                         summary_.masks ? "masks/" + file_name(shot.name) : ""});
+            const std::string image = names_.at(&shot) + ".png";
+            transforms.frames.push_back({shot.camera, shot.time, "images/" + image,
+                                         camera.plate.path.empty() ? "" : "plates/" + file_name(camera.name) + ".png",
+                                         summary_.masks ? "masks/" + image : ""});
         }
         write_transforms_file(file, transforms);
     }
@@ -101,28 +121,29 @@ class SplitWriter {
   private:
     void write_camera(size_t c, const std::vector<const Shot*>& shots) {
         CameraImages images(rig_, static_cast<uint32_t>(c), cameras_[c]);
-        if (images.plate().width > 0) write("plates", rig_.cameras[c].name, images.plate());
+        if (images.plate().width > 0) write("plates", file_name(rig_.cameras[c].name), images.plate());
         for (const Shot* shot : shots) {
             if (count_.stopped()) return;
             const CameraImage read = images.read(*shot, Background::kCaptured);
             const media::Image& image = read.image;
-            write("images", shot->name, image);
-            if (summary_.mattes)
-                write("mattes", shot->name, grey_of(image, [&](size_t i) { return image.rgba[4 * i + 3]; }));
+            const std::string& name = names_.at(shot);
+            write("images", name, image);
+            if (summary_.mattes) write("mattes", name, grey_of(image, [&](size_t i) { return image.rgba[4 * i + 3]; }));
             if (summary_.masks)
-                write("masks", shot->name, grey_of(image, [&](size_t i) {
+                write("masks", name, grey_of(image, [&](size_t i) {
                           return static_cast<uint8_t>(!read.ignored.empty() && read.ignored[i] ? 0 : 255);
                       }));
             count_.add();
         }
     }
     void write(const char* folder, const std::string& name, const media::Image& image) const {
-        media::write_png(output_ / folder / file_name(name), image);
+        media::write_png(output_ / folder / (name + ".png"), image);
     }
 
     const std::filesystem::path& output_;
     const WriteSummary& summary_;
     const Rig& rig_;
+    const ImageNames& names_;
     const std::vector<stage::Camera> cameras_;
     Count& count_;
 };
@@ -143,10 +164,11 @@ WriteSummary write_dataset(const WriteJob& job, const WriteProgress& progress) {
     for (const auto& [folder, needed] : {std::pair("images", true), std::pair("mattes", summary.mattes),
                                          std::pair("masks", summary.masks), std::pair("plates", summary.plates > 0)})
         if (needed) make_folder(job.output / folder);
+    const ImageNames names = image_names(both.rigs);
     Count count(progress, summary.images);
     std::vector<std::unique_ptr<SplitWriter>> writers;
     for (const Rig& rig : both.rigs) {
-        writers.push_back(std::make_unique<SplitWriter>(job, summary, rig, count));
+        writers.push_back(std::make_unique<SplitWriter>(job, summary, rig, names, count));
         writers.back()->write_images();
     }
     if (count.stopped()) return summary;
