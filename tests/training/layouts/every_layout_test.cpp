@@ -54,6 +54,15 @@ TEST_F(EveryLayout, HasASample) {
         }
 }
 
+// As the program does that calibrates, or that reads these files otherwise.
+TEST_F(EveryLayout, ExifTurnsImagesOfThese) {
+    std::set<std::string> turned;
+    for (const auto& [format, sample] : samples())
+        if (!training::read_rig(sample, Split::kTrain, "auto", "0").images_as_stored) turned.insert(format);
+    turned.erase("n3v");  // which has only videos
+    EXPECT_EQ(turned, (std::set<std::string>{"actorshq", "easymocap", "opencv", "pose2sim", "qualisys"}));
+}
+
 TEST_F(EveryLayout, TheUserHoldsOutCameras) {
     for (const auto& [format, sample] : samples()) {
         const auto read = [&, from = sample](Split split, const std::string& holdout) {

@@ -139,6 +139,7 @@ Rig read_dynamic3dgs_rig(const std::filesystem::path& folder, Split split) {
     Rig rig;
     rig.folder = folder;
     rig.format = "dynamic3dgs";
+    rig.images_as_stored = true;
     rig.file = train.name;
     rig.masks = MaskMeaning::kLabels;
     rig.world = "metres where the capture is Panoptic Studio's; +Y up, turned from −Y up";

@@ -100,6 +100,7 @@ Rig read_panoptic_rig(const std::filesystem::path& folder, Split split) {
     Rig rig;
     rig.folder = folder;
     rig.format = "panoptic";
+    rig.images_as_stored = true;
     rig.file = file.name;
     rig.world = "metres, from centimetres; +Y up, turned from −Y up";
     if (!remark.empty()) rig.remarks.push_back(remark);
