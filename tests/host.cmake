@@ -119,7 +119,12 @@ neuvv_test(metrics_test
   LINKS neuvv_training)
 
 neuvv_test(lpips_test SOURCES training/evaluation/lpips_test.cpp LINKS neuvv_lpips PkgConfig::libzip)
-neuvv_test(matte_test SOURCES training/brought_mattes_test.cpp training/matte_test.cpp LINKS neuvv_training)
+neuvv_test(matte_test
+  SOURCES
+    training/mattes/brought_mattes_test.cpp
+    training/mattes/matte_test.cpp
+    training/mattes/pixel_mask_test.cpp
+  LINKS neuvv_training)
 neuvv_test(camera_pose_test
   SOURCES
     training/camera_pose_test.cpp

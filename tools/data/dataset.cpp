@@ -23,7 +23,7 @@
 #include "training/data/contact_sheet.h"
 #include "training/data/images.h"
 #include "training/data/layouts/formats.h"
-#include "training/data/make_mattes.h"
+#include "training/data/matte_sources.h"
 #include "training/tree/hull_box.h"
 
 namespace neuvv::tools {

@@ -16,8 +16,10 @@
 #include "tools/results.h"
 #include "tools/say.h"
 #include "tools/unfinished_folder.h"
+#include "training/data/both_splits.h"
 #include "training/data/layouts/formats.h"
-#include "training/data/make_mattes.h"
+#include "training/data/matte_sources.h"
+#include "training/mattes/make_mattes.h"
 
 namespace neuvv::tools {
 
@@ -47,12 +49,17 @@ struct MatteOptions {
 
 // Mattes that this verb makes overrule what a data set has, and are worse than most of it.
 void expect_no_mattes(const training::MatteJob& what) {
-    std::vector<std::string> sources = training::matte_sources(what);
+    std::vector<std::string> sources =
+        training::matte_sources(training::read_both_splits(what.dataset, what.format).rigs);
     std::erase(sources, "mattes/");  // of which --overwrite decides
     if (!sources.empty())
         throw InputError(what.dataset.string(), "",
                          fmt::format("has mattes already, {}, which new ones would overrule in training", sources[0]),
                          "leave it as it is, or give --overrule");
+}
+
+void tell_findings(const training::MatteSummary& made) {
+    for (const Note& plate : made.wrong_plates) say("{}\n", message_of(plate));
 }
 
 void run_matte(MatteOptions options) {
@@ -82,6 +89,7 @@ void run_matte(MatteOptions options) {
     unfinished.finish();
     if (!made.missing_split.empty())
         say("one split alone has mattes now, the other cannot be read: {}\n", message_of(made.missing_split));
+    tell_findings(made);
     tell("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",
          made.images, made.cameras, made.cameras_with_plate, output.string());
     if (made.white_borders > 0.5)

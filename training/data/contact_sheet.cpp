@@ -7,7 +7,16 @@ namespace neuvv::training {
 
 namespace {
 
-media::Image shrunk(const media::Image& opaque, uint32_t factor) {
+media::Image enlarged(const media::Image& opaque, uint32_t factor) {
+    media::Image large(opaque.width * factor, opaque.height * factor);
+    for (uint32_t y = 0; y < large.height; ++y)
+        for (uint32_t x = 0; x < large.width; ++x) std::copy_n(opaque.at(x / factor, y / factor), 4, large.at(x, y));
+    return large;
+}
+
+}  // namespace
+
+media::Image reduced(const media::Image& opaque, uint32_t factor) {
     media::Image small(opaque.width / factor, opaque.height / factor);
     const uint64_t area = uint64_t{factor} * factor;
     for (uint32_t y = 0; y < small.height; ++y)
@@ -21,20 +30,11 @@ media::Image shrunk(const media::Image& opaque, uint32_t factor) {
     return small;
 }
 
-media::Image enlarged(const media::Image& opaque, uint32_t factor) {
-    media::Image large(opaque.width * factor, opaque.height * factor);
-    for (uint32_t y = 0; y < large.height; ++y)
-        for (uint32_t x = 0; x < large.width; ++x) std::copy_n(opaque.at(x / factor, y / factor), 4, large.at(x, y));
-    return large;
-}
-
-}  // namespace
-
 media::Image scaled_to_fit(const media::Image& image, uint32_t longest) {
     assert(longest > 0 && "an image is fitted into pixels");
     const uint32_t side = std::max({image.width, image.height, 1u});
     const media::Image opaque = media::composite_over(image, media::kWhite);
-    return side > longest ? shrunk(opaque, (side + longest - 1) / longest) : enlarged(opaque, longest / side);
+    return side > longest ? reduced(opaque, (side + longest - 1) / longest) : enlarged(opaque, longest / side);
 }
 
 media::Image contact_sheet(const std::vector<media::Image>& images, uint32_t columns, uint32_t cell) {

@@ -13,7 +13,7 @@
 #include "training/data/both_splits.h"
 #include "training/data/camera_images.h"
 #include "training/data/images.h"
-#include "training/data/make_mattes.h"
+#include "training/data/matte_sources.h"
 #include "training/data/transforms_file.h"
 
 namespace neuvv::training {

@@ -14,7 +14,7 @@
 #include "tests/support/near.h"
 #include "tests/support/temporary_folder.h"
 #include "training/data/dataset.h"
-#include "training/data/make_mattes.h"
+#include "training/mattes/make_mattes.h"
 
 namespace neuvv {
 namespace {

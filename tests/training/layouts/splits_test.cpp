@@ -7,10 +7,11 @@
 #include "support/easymocap_files.h"
 #include "support/input_error.h"
 #include "support/rig_pixel.h"
+#include "training/data/both_splits.h"
 #include "training/data/dataset.h"
 #include "training/data/layouts/formats.h"
 #include "training/data/layouts/rig/holdout.h"
-#include "training/data/make_mattes.h"
+#include "training/data/matte_sources.h"
 
 namespace neuvv {
 namespace {
@@ -178,18 +179,18 @@ TEST_F(Splits, PlatesOfAnyLayout) {
 
 TEST_F(Splits, WhatHasMattesIsKnown) {
     write_easymocap();
-    const training::MatteJob job{.dataset = folder.path, .output = folder.path / "mattes"};
-    EXPECT_TRUE(training::matte_sources(job).empty());
+    const auto sources = [&] { return training::matte_sources(training::read_both_splits(folder.path, "auto").rigs); };
+    EXPECT_TRUE(sources().empty());
     media::Image clear(64, 48);
     clear.at(3, 3)[3] = 255;
     for (const int frame : {0, 1})
         media::write_png(folder.path / "images" / "cam02" / fmt::format("{}.png", frame), clear);
-    EXPECT_EQ(training::matte_sources(job), (Names{"the alpha of the images"}));
+    EXPECT_EQ(sources(), (Names{"the alpha of the images"}));
     for (const std::string& name : names)
         for (const int frame : {0, 1})
             test::write_grey_png(folder.path / "masks" / name / fmt::format("{}.png", frame), 64, 48, 255);
     test::write_grey_png(folder.path / "mattes" / "cam03_1.png", 64, 48, 255);
-    EXPECT_EQ(training::matte_sources(job), (Names{"mattes/", "masks/", "the alpha of the images"}));
+    EXPECT_EQ(sources(), (Names{"mattes/", "masks/", "the alpha of the images"}));
 }
 
 }  // namespace

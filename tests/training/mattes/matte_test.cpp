@@ -1,5 +1,5 @@
 // Difference mattes against known ones: a sphere in front of a noisy wall. Also the files that make_mattes writes.
-#include "training/data/matte.h"
+#include "training/mattes/difference.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,8 @@
 #include "support/input_error.h"
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
-#include "training/data/make_mattes.h"
+#include "training/data/plate.h"
+#include "training/mattes/make_mattes.h"
 
 namespace neuvv::test {
 namespace {

@@ -1,5 +1,5 @@
 // Which file of another program is the matte of which image.
-#include "training/data/brought_mattes.h"
+#include "training/mattes/brought_mattes.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "training/data/brought_mattes.h"
+#include "training/mattes/brought_mattes.h"
 
 #include <fmt/format.h>
 
