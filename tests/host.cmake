@@ -122,8 +122,9 @@ neuvv_test(lpips_test SOURCES training/evaluation/lpips_test.cpp LINKS neuvv_lpi
 neuvv_test(matte_test
   SOURCES
     training/mattes/brought_mattes_test.cpp
+    training/mattes/figure_test.cpp
     training/mattes/matte_test.cpp
-    training/mattes/pixel_mask_test.cpp
+    training/pixel_mask_test.cpp
   LINKS neuvv_training)
 neuvv_test(camera_pose_test
   SOURCES

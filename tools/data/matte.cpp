@@ -58,8 +58,20 @@ void expect_no_mattes(const training::MatteJob& what) {
                          "leave it as it is, or give --overrule");
 }
 
+// A camera whose mattes lack more of what the other cameras show, or show so much more, is worth a look.
+constexpr double kWorthALook = 0.1;
+
 void tell_findings(const training::MatteSummary& made) {
     for (const Note& plate : made.wrong_plates) say("{}\n", message_of(plate));
+    if (!made.alone.empty()) say("each camera was looked at by itself: {}\n", message_of(made.alone));
+    for (const training::CameraAgreement& camera : made.agreements) {
+        if (camera.lacking > kWorthALook)
+            say("camera {}: its mattes lack {:.0f} % of what the other cameras show there\n", camera.camera,
+                100 * camera.lacking);
+        if (camera.beyond > kWorthALook)
+            say("camera {}: {:.0f} % of its mattes is nothing that the other cameras show\n", camera.camera,
+                100 * camera.beyond);
+    }
 }
 
 void run_matte(MatteOptions options) {
@@ -116,16 +128,21 @@ void add_matte(Command app, CommonOptions&) {
         .number_between(1, 250)
         .show_default()
         .excludes(from);
+    verb.add_flag("--alone", what.alone,
+                  "Judge each image by its camera's background alone, not by what the other cameras see, too")
+        .excludes(from);
     verb.add_flag(
         "--overrule", options->overrule,
         "Make mattes even of a data set that has masks, or images with an alpha: what is made counts instead");
     verb.footer(
         {"The background of a camera is its clean plate (plates/CAMERA.png, or a video there), or else, per pixel, the "
          "median of up to 31 of its images:\n"
-         "right where the performer stands for less than half of the clip. Each matte is an 8-bit grey PNG named after "
-         "its\n"
+         "right where the performer stands for less than half of the clip. With five cameras and more, what one "
+         "camera\n"
+         "lacks is taken from the others, and what it alone sees is left out. Each matte is an 8-bit grey PNG named "
+         "after its\n"
          "image; correct those that are wrong in any image editor: `neuvv train` and `eval` read them. OUTPUT/\n"
-         "contact_sheet.png shows image, matte, and the performer over magenta.\n\n"
+         "contact_sheet.png shows image, matte, and the performer over magenta, worst cameras first.\n\n"
          "Examples:\n"
          "  neuvv matte studio\n"
          "  neuvv matte studio --threshold 20 --overwrite\n"

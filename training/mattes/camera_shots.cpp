@@ -13,10 +13,10 @@ namespace {
 
 // A plate may be darker or brighter than the images, but not by so many steps of 255 in the middle of their
 // differences.
-constexpr int kMostOffset = 60;
+constexpr int kMostPlateOffset = 60;
 // Nor may more than half of it differ by more steps, or by a larger share of the images' own contrast.
-constexpr int kMostDeviation = 6;
-constexpr double kMostOfContrast = 0.5;
+constexpr int kMostPlateDeviation = 6;
+constexpr double kMostOfPlateContrast = 0.5;
 
 template <typename Value>
 int middle_of(size_t count, const Value& value) {
@@ -36,7 +36,8 @@ bool is_plate_of(const media::Image& plate, const media::Image& median) {
         const int offset = middle_of(pixels, difference), level = middle_of(pixels, seen);
         const int deviation = middle_of(pixels, [&](size_t i) { return std::abs(difference(i) - offset); });
         const int contrast = middle_of(pixels, [&](size_t i) { return std::abs(seen(i) - level); });
-        if (std::abs(offset) > kMostOffset || (deviation > kMostDeviation && deviation > kMostOfContrast * contrast))
+        if (std::abs(offset) > kMostPlateOffset ||
+            (deviation > kMostPlateDeviation && deviation > kMostOfPlateContrast * contrast))
             return false;
     }
     return true;

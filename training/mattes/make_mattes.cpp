@@ -97,15 +97,19 @@ void add_differences(const MatteJob& job, const std::vector<CameraShots>& camera
 }
 
 // Those that this program makes. Says in the summary how.
-void add_own(const MatteJob& job, const std::vector<CameraShots>& cameras, uint64_t total, MatteFiles& files,
-             MatteSummary& summary, const MatteProgress& progress) {
+void add_own(const MatteJob& job, const std::vector<Rig>& rigs, const std::vector<CameraShots>& cameras, uint64_t total,
+             MatteFiles& files, MatteSummary& summary, const MatteProgress& progress) {
     std::vector<CameraBackground> backgrounds;
     for (const CameraShots& camera : cameras) {
         backgrounds.push_back(background_of(camera));
         summary.cameras_with_plate += backgrounds.back().is_clean;
         if (!backgrounds.back().wrong_plate.empty()) summary.wrong_plates.push_back(backgrounds.back().wrong_plate);
     }
-    add_differences(job, cameras, backgrounds, total, files, progress);
+    if (const auto box = job.alone ? std::nullopt : figure_box(rigs, cameras, summary.alone))
+        summary.agreements = add_figure_mattes(cameras, std::move(backgrounds), *box, job.settings, files, progress)
+                                 .value_or(std::vector<CameraAgreement>());
+    else
+        add_differences(job, cameras, backgrounds, total, files, progress);
 }
 
 }  // namespace
@@ -119,10 +123,12 @@ MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress) {
     for (const CameraShots& camera : cameras) total += camera.shots.size();
     MatteFiles files(job.output);
     if (job.from.empty())
-        add_own(job, cameras, total, files, summary, progress);
+        add_own(job, splits.rigs, cameras, total, files, summary, progress);
     else
         add_brought(job, splits.rigs, cameras, total, files, progress);
-    files.write_sheet();
+    std::vector<std::string> worst;
+    for (const CameraAgreement& agreement : summary.agreements) worst.push_back(agreement.camera);
+    files.write_sheet(worst);
     summary.images = files.count();
     summary.cameras = static_cast<uint32_t>(cameras.size());
     summary.shows_performer = files.shows_performer();

@@ -8,6 +8,7 @@
 
 #include "training/mattes/camera_shots.h"
 #include "training/mattes/difference.h"
+#include "training/mattes/figure_mattes.h"
 
 namespace neuvv::training {
 
@@ -15,6 +16,7 @@ struct MatteJob {
     std::filesystem::path dataset, output;  // output: the folder of the mattes
     std::filesystem::path from;             // mattes of another program (brought_mattes.h); empty: they are made
     bool inverted = false;                  // whether those are black where the performer is
+    bool alone = false;                     // whether each image is judged by itself even where there are many cameras
     std::string format = "auto";            // of the data set
     MatteSettings settings;
 };
@@ -22,19 +24,18 @@ struct MatteJob {
 struct MatteSummary {
     uint64_t images = 0;
     uint32_t cameras = 0, cameras_with_plate = 0;
-    bool shows_performer = false;    // whether any pixel of any matte counts as performer
-    double white_borders = 0;        // which share of all images' borders is white
-    Note missing_split;              // why one of the two splits was left out; else empty
-    std::vector<Note> wrong_plates;  // plates that are not used
+    bool shows_performer = false;             // whether any pixel of any matte counts as performer
+    double white_borders = 0;                 // which share of all images' borders is white
+    Note missing_split;                       // why one of the two splits was left out; else empty
+    Note alone;                               // why the cameras were not looked at together; else empty
+    std::vector<CameraAgreement> agreements;  // worst first; empty where the cameras were not looked at together
+    std::vector<Note> wrong_plates;           // plates that are not used
 };
-
-// Receives how many images are done, and of how many; returns false to stop.
-using MatteProgress = std::function<bool(uint64_t done, uint64_t total)>;
 
 // Writes output/NAME.png, 8-bit grey, for each image NAME of the training and the test split, pixel by pixel as the
 // camera saw it (lens distortion is not undone), and output/contact_sheet.png (matte_files.h). A camera's background is
-// its clean plate, else the median of its images. Each matte is an image's
-// difference from its background.
+// its clean plate, else the median of its images. With kMinFigureCameras and more, all cameras are looked at together
+// (figure_search.h); else each matte is an image's difference from its background.
 //
 // The value of a matte in `from` is its alpha where it has one, else its brightness.
 //

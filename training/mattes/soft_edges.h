@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "media/image.h"
-#include "training/mattes/pixel_mask.h"
+#include "training/tree/pixel_mask.h"
 
 namespace neuvv::training {
 

@@ -1,5 +1,5 @@
 // Sets of pixels against what each function says, pixel by pixel.
-#include "training/mattes/pixel_mask.h"
+#include "training/tree/pixel_mask.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "training/mattes/pixel_mask.h"
+#include "training/tree/pixel_mask.h"
 
 #include <algorithm>
 #include <cmath>

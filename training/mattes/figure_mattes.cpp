@@ -1,0 +1,236 @@
+#include "training/mattes/figure_mattes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/threads/parallel.h"
+#include "training/mattes/soft_edges.h"
+#include "training/mattes/working_size.h"
+#include "training/tree/hull_box.h"
+
+namespace neuvv::training {
+
+namespace {
+
+constexpr size_t kLooksAtOnce = 800;   // in memory: 1.5 GB
+constexpr double kSearchShare = 0.85;  // of the work for these looks; the rest is reading and writing
+constexpr size_t kMattesAtOnce = 16;   // of full size in memory
+constexpr uint32_t kEdge = 3;          // small pixels by which a hull may be off without a word
+
+// How many pixels the mattes of a camera have, and how many they lack or have too many.
+struct PixelCounts {
+    double hull = 0, figure = 0, lacking = 0, beyond = 0;
+};
+
+class FigureMattes {
+  public:
+    FigureMattes(const std::vector<CameraShots>& cameras, std::vector<CameraBackground> backgrounds,
+                 const MatteSettings& settings, MatteFiles& files, const MatteProgress& progress);
+    bool run(const std::pair<glm::dvec3, glm::dvec3>& box);
+    std::vector<CameraAgreement> agreements() const;
+
+  private:
+    // Which shot of which camera.
+    struct ShotOf {
+        uint32_t camera;
+        const Shot* shot;
+    };
+
+    std::vector<Moment> read_moments(const std::vector<const std::vector<ShotOf>*>& times) const;
+    media::Image read(ImageReader& reader, const ShotOf& at) const;
+    std::vector<uint8_t> matte_of(const media::Image& image, const Look& look) const;
+    void write(const std::vector<ShotOf>& shots, const Moment& moment);
+    void count(const Look& look);
+    bool told(double share_of_part) const;
+
+    const std::vector<CameraShots>& cameras_;
+    const MatteSettings& settings_;
+    MatteFiles& files_;
+    const MatteProgress& progress_;
+    std::vector<WorkingCamera> working_;
+    std::vector<FigureCamera> figure_cameras_;
+    std::vector<media::Image> plates_;  // by camera, of the images' size; empty where there is no clean plate
+    std::map<double, std::vector<ShotOf>> times_;
+    std::vector<PixelCounts> counts_;  // by camera
+    uint64_t total_ = 0, part_ = 0;    // images in all, and those that are worked on
+};
+
+FigureMattes::FigureMattes(const std::vector<CameraShots>& cameras, std::vector<CameraBackground> backgrounds,
+                           const MatteSettings& settings, MatteFiles& files, const MatteProgress& progress)
+    : cameras_(cameras), settings_(settings), files_(files), progress_(progress), counts_(cameras.size()) {
+    for (uint32_t c = 0; c < cameras.size(); ++c) {
+        media::Image& background = backgrounds[c].image;
+        working_.push_back(working_camera(cameras[c].calibration(), {background.width, background.height}));
+        const WorkingCamera& working = working_.back();
+        figure_cameras_.push_back({.camera = working.camera,
+                                   .unseen = unseen_pixels(working),
+                                   .background = working_image(working, background),
+                                   .is_clean = backgrounds[c].is_clean});
+        plates_.push_back(backgrounds[c].is_clean ? std::move(background) : media::Image());
+        for (const Shot* shot : cameras[c].shots) times_[shot->time].push_back({c, shot});
+        total_ += cameras[c].shots.size();
+    }
+}
+
+media::Image FigureMattes::read(ImageReader& reader, const ShotOf& at) const {
+    const CameraShots& camera = cameras_[at.camera];
+    media::Image image = camera.read(reader, at.shot->image);
+    const interchange::Lens& lens = working_[at.camera].lens;
+    if (image.width != lens.width || image.height != lens.height)
+        throw InputError(
+            at.shot->image.path.string(), "",
+            fmt::format("is {}×{}, but its background {}×{}", image.width, image.height, lens.width, lens.height),
+            "give both one size");
+    return image;
+}
+
+// Camera by camera, as the frames of a video are read one after the other.
+std::vector<Moment> FigureMattes::read_moments(const std::vector<const std::vector<ShotOf>*>& times) const {
+    std::vector<Moment> moments;
+    std::vector<std::vector<std::pair<Look*, const Shot*>>> looks(cameras_.size());
+    for (const std::vector<ShotOf>* time : times) moments.emplace_back(time->size());
+    for (size_t t = 0; t < times.size(); ++t)
+        for (size_t i = 0; i < moments[t].size(); ++i) {
+            const ShotOf& at = (*times[t])[i];
+            moments[t][i].camera = at.camera;
+            looks[at.camera].emplace_back(&moments[t][i], at.shot);
+        }
+    parallel_for(cameras_.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t c = begin; c < end; ++c) {
+            ImageReader reader;
+            for (const auto& [look, shot] : looks[c])
+                look->image = working_image(working_[c], read(reader, {static_cast<uint32_t>(c), shot}));
+        }
+    });
+    return moments;
+}
+
+// Adds up how a look agrees with the hull of the others' figures.
+void FigureMattes::count(const Look& look) {
+    PixelCounts& counts = counts_[look.camera];
+    const PixelMask near = grown(look.hull, kEdge), inside = grown(look.figure, kEdge);
+    for (size_t i = 0; i < look.figure.size(); ++i) {
+        counts.hull += look.hull[i];
+        counts.figure += look.figure[i];
+        counts.lacking += look.hull[i] && !inside[i];
+        counts.beyond += look.figure[i] && !near[i];
+    }
+}
+
+// At the size of the image that the camera took, whose own pixels say where edges are.
+std::vector<uint8_t> FigureMattes::matte_of(const media::Image& image, const Look& look) const {
+    const WorkingCamera& working = working_[look.camera];
+    const media::Image& plate = plates_[look.camera];
+    if (plate.rgba.empty()) return soft_edges(image, full_size(working, look.figure), working.factor);
+    PixelMask figure = differing_pixels(image, plate, settings_);
+    const PixelMask possible = full_size(working, look.possible), sure = full_size(working, look.sure);
+    for (size_t i = 0; i < figure.size(); ++i) figure.set[i] = (figure[i] && possible[i]) || sure[i];
+    return soft_edges(image, figure, plate);
+}
+
+void FigureMattes::write(const std::vector<ShotOf>& shots, const Moment& moment) {
+    for (size_t first = 0; first < shots.size(); first += kMattesAtOnce) {
+        const size_t count = std::min(kMattesAtOnce, shots.size() - first);
+        std::vector<media::Image> images(count);
+        std::vector<std::vector<uint8_t>> mattes(count);
+        parallel_for(count, 1, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i) {
+                ImageReader reader;
+                const ShotOf& at = shots[first + i];
+                images[i] = read(reader, at);
+                mattes[i] = matte_of(images[i], moment[first + i]);
+            }
+        });
+        for (size_t i = 0; i < count; ++i) {
+            const ShotOf& at = shots[first + i];
+            files_.add(cameras_[at.camera].name(), at.shot->name, images[i], mattes[i]);
+            FigureMattes::count(moment[first + i]);
+        }
+    }
+}
+
+bool FigureMattes::told(double share_of_part) const {
+    return !progress_ ||
+           progress_(files_.count() + static_cast<uint64_t>(share_of_part * static_cast<double>(part_)), total_);
+}
+
+bool FigureMattes::run(const std::pair<glm::dvec3, glm::dvec3>& box) {
+    // Each part has moments from all over the clip, so that the performer moves as much as can be.
+    const size_t parts = (total_ + kLooksAtOnce - 1) / kLooksAtOnce;
+    for (size_t part = 0; part < parts; ++part) {
+        std::vector<const std::vector<ShotOf>*> times;
+        part_ = 0;
+        size_t place = 0;
+        for (const auto& [time, shots] : times_) {
+            if (place++ % parts != part) continue;
+            times.push_back(&shots);
+            part_ += shots.size();
+        }
+        std::vector<Moment> moments = read_moments(times);
+        const auto searched = [&](double share) { return told(kSearchShare * share); };
+        if (!find_figures(figure_cameras_, box, settings_, moments, searched)) return false;
+        for (size_t t = 0; t < times.size(); ++t) {
+            write(*times[t], moments[t]);
+            part_ -= times[t]->size();
+            if (!told(kSearchShare)) return false;
+        }
+    }
+    return true;
+}
+
+std::vector<CameraAgreement> FigureMattes::agreements() const {
+    std::vector<CameraAgreement> agreements;
+    for (size_t c = 0; c < cameras_.size(); ++c)
+        agreements.push_back({.camera = cameras_[c].name(),
+                              .lacking = counts_[c].lacking / std::max(1.0, counts_[c].hull),
+                              .beyond = counts_[c].beyond / std::max(1.0, counts_[c].figure)});
+    std::ranges::stable_sort(agreements, std::greater(), [](const CameraAgreement& a) { return a.lacking + a.beyond; });
+    return agreements;
+}
+
+}  // namespace
+
+std::optional<std::pair<glm::dvec3, glm::dvec3>> figure_box(const std::vector<Rig>& rigs,
+                                                            const std::vector<CameraShots>& cameras, Note& why) {
+    if (cameras.size() < kMinFigureCameras) {
+        why = Note(fmt::format("{} cameras are too few to say where the performer is", cameras.size()));
+        return {};
+    }
+    Dataset dataset;
+    dataset.folder = rigs.front().folder;
+    dataset.box = rigs.front().box;
+    for (const CameraShots& camera : cameras) {
+        const interchange::Lens& lens = camera.calibration().lens;
+        const auto size = [](uint32_t pixels, double middle) {
+            return pixels > 0 ? pixels : static_cast<uint32_t>(std::max(1.0, 2 * middle));
+        };
+        dataset.cameras.push_back({.world_from_camera = camera.calibration().world_from_camera,
+                                   .fx = lens.fx,
+                                   .fy = lens.fy,
+                                   .cx = lens.cx,
+                                   .cy = lens.cy,
+                                   .width = size(lens.width, lens.cx),
+                                   .height = size(lens.height, lens.cy)});
+    }
+    try {
+        return first_box(dataset);
+    } catch (const InputError& error) {
+        why = Note(error);
+        return {};
+    }
+}
+
+std::optional<std::vector<CameraAgreement>> add_figure_mattes(const std::vector<CameraShots>& cameras,
+                                                              std::vector<CameraBackground> backgrounds,
+                                                              const std::pair<glm::dvec3, glm::dvec3>& box,
+                                                              const MatteSettings& settings, MatteFiles& files,
+                                                              const MatteProgress& progress) {
+    FigureMattes mattes(cameras, std::move(backgrounds), settings, files, progress);
+    if (!mattes.run(box)) return {};
+    return mattes.agreements();
+}
+
+}  // namespace neuvv::training
