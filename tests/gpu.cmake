@@ -84,8 +84,9 @@ neuvv_test(stage_clips_test GPU
     render/stage_pick_test.cpp
   LINKS neuvv_edit nlohmann_json::nlohmann_json)
 target_compile_definitions(stage_clips_test PRIVATE NEUVV_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-neuvv_test(capture_test GPU COST 30 SOURCES training/capture/dome_test.cpp training/capture/capture_test.cpp
-           LINKS neuvv_training nlohmann_json::nlohmann_json)
+neuvv_test(capture_test GPU COST 30
+  SOURCES training/capture/dome_test.cpp training/capture/capture_test.cpp training/capture/studio_test.cpp
+  LINKS neuvv_training nlohmann_json::nlohmann_json)
 target_compile_definitions(capture_test PRIVATE NEUVV_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
 # Training, forwards and backwards.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <ranges>
 #include <regex>
 #include <vector>
 
@@ -17,12 +18,12 @@ namespace {
 
 // Key points are what a detector found in the images, mattes what was made of them.
 constexpr const char* kFolders[] = {"images", "plates", "key_points", "mattes"};
-constexpr const char* kFiles[] = {"skeleton.glb", "transforms_test.json",
+constexpr const char* kFiles[] = {"skeleton.glb", "studio.json", "transforms_test.json",
                                   "transforms_train.json"};  // the last are last
 
 // Files of a folder that have the names of a capture's.
 std::vector<std::filesystem::path> captured_files(const std::filesystem::path& folder) {
-    static const std::regex kName("c[0-9]{2,}(_f[0-9]{3,})?(\\.png|_keypoints\\.json)");
+    static const std::regex kName("c[0-9]{2,}(_f[0-9]{3,})?(\\.png|\\.jpg|_keypoints\\.json)");
     std::vector<std::filesystem::path> files;
     std::error_code ignored;
     for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
@@ -82,7 +83,7 @@ UnfinishedFolder::UnfinishedFolder(std::filesystem::path folder) : folder_(std::
 
 void UnfinishedFolder::finish() const {
     try {
-        for (const char* name : {kFiles[2], kFiles[1], kFiles[0]}) std::filesystem::remove(folder_ / name);
+        for (const char* name : std::views::reverse(kFiles)) std::filesystem::remove(folder_ / name);
         for (const char* name : kFolders) {
             for (const std::filesystem::path& old : captured_files(folder_ / name)) std::filesystem::remove(old);
             if (std::filesystem::exists(path() / name)) std::filesystem::create_directories(folder_ / name);

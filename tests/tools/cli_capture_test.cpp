@@ -116,6 +116,36 @@ TEST_F(CliGpu, ACaptureReplacesAnotherOnceItIsWhole) {
     EXPECT_EQ(training::load_dataset(file("data"), training::Split::kTrain).times.size(), 1u);
 }
 
+TEST_F(CliGpu, ACaptureOfAStudioIsReplacedLikeOthers) {
+    const std::string model = NEUVV_SOURCE_DIR "/tools/performer/performer.glb", data = file("data");
+    std::vector<std::string> words = {"capture",  model, "-o",     data,    "--cameras",  "7",
+                                      "--frames", "2",   "--size", "32x32", "--overwrite"};
+    ASSERT_EQ(run_neuvv(words).code, 0);
+    const auto clean = contents_of(data);
+    const auto with = [&](const char* seed) {
+        std::vector<std::string> studio = words;
+        studio.insert(studio.end(), {"--studio", seed});
+        return studio;
+    };
+    ASSERT_EQ(run_neuvv(with("1")).code, 0);
+    const auto studio = contents_of(data);
+    size_t jpegs = 0, mattes = 0;
+    for (const auto& [name, content] : studio) {
+        jpegs += name.starts_with("images/") && name.ends_with(".jpg") ? 1 : 0;
+        mattes += name.starts_with("mattes/") ? 1 : 0;
+    }
+    EXPECT_TRUE(studio.contains("studio.json"));
+    EXPECT_EQ(jpegs, 12u) << "of six cameras that train";
+    EXPECT_EQ(mattes, 12u);
+    ASSERT_EQ(run_neuvv(with("1")).code, 0);
+    EXPECT_EQ(contents_of(data), studio) << "a seed gives the same files";
+    ASSERT_EQ(run_neuvv(words).code, 0);
+    EXPECT_EQ(contents_of(data), clean);
+    expect_refused(with("-1"), 2, {"--studio"});
+    words[5] = "5";
+    expect_refused(with("1"), 2, {"--cameras", "too few for a studio"});
+}
+
 TEST_F(CliGpu, SkeletonShowDrawsJointsWhereTheyAre) {
     motion::SkeletonClip skeleton;
     skeleton.fps = double{kOwnFps};

@@ -47,9 +47,8 @@ struct CliSkeleton : testing::Test {
                 motion::write_key_points(folder.path / "views" / "key_points" / (name + "_keypoints.json"),
                                          seen.in(f, c));
             }
-        training::write_transforms(
-            folder.path / "views" / "transforms_train.json",
-            {cameras, std::vector<bool>(kViews, true), kFrames, 25, {{-1, 0, -1}, {1, 2, 1}}, false});
+        training::write_transforms(folder.path / "views" / "transforms_train.json",
+                                   {cameras, std::vector<bool>(kViews, true), kFrames, 25, {{-1, 0, -1}, {1, 2, 1}}});
     }
 
     // What `neuvv skeleton views` leaves, but of a performer whose joints alone are seen, three frames from 12 views.
@@ -68,7 +67,7 @@ struct CliSkeleton : testing::Test {
             }
         training::write_transforms(
             folder.path / "views" / "transforms_train.json",
-            {cameras, std::vector<bool>(kViews, true), kMarkedFrames, 25, {{-1, 0, -1}, {1, 2, 1}}, false});
+            {cameras, std::vector<bool>(kViews, true), kMarkedFrames, 25, {{-1, 0, -1}, {1, 2, 1}}});
     }
 };
 

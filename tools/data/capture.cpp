@@ -27,10 +27,17 @@ animation shows its rest pose. There are no lights: unlit materials show their b
 --background clear    straight-alpha images: the performer alone
 --background checker  the image as a camera in a checkered room sees it, alpha the matte, plus DIR/plates/cNN.png
 
+--studio SEED simulates the cameras of a real studio in that room, and the mistakes of its people, to try how training
+copes. Each camera has sensor noise, channel gains of 0.7 to 1.4, vignetting, and JPEG of quality 85; mattes are in
+DIR/mattes. The recordings of two cameras are exchanged, two cameras have a wrong plate or none, and 1 % of the mattes
+lack a part or show too much. DIR/studio.json says what was done. Held-out cameras stay as with --background checker, so
+that `neuvv eval` measures against the truth.
+
 Examples (from the repository's root):
   neuvv capture tools/performer/performer.glb -o work/performer
   neuvv capture tools/performer/performer.glb -o work/small --cameras 12 --frames 10 --size 160x160
-  neuvv capture tools/performer/performer.glb -o work/checker --cameras 8 --frames 5 --background checker)";
+  neuvv capture tools/performer/performer.glb -o work/checker --cameras 8 --frames 5 --background checker
+  neuvv capture tools/performer/performer.glb -o work/studio --cameras 12 --frames 24 --size 128x128 --studio 1)";
 
 struct Options {
     std::string model, folder, size = "512x512", background = "clear";
@@ -80,6 +87,8 @@ void add_capture(Command app, CommonOptions& common) {
     verb.add_option("--animation", settings.animation, "its name or index; default: the first");
     verb.add_option("--holdout", settings.holdout, "share of the cameras kept for the test").show_default();
     verb.add_option("--background", options->background, "clear or checker").show_default();
+    verb.add_option("--studio", settings.studio, "seed of a simulated studio: real cameras, and mistakes")
+        .not_negative();
     verb.footer({kFooter});
     verb.callback([options, &common] { run_capture(*options, common); });
 }

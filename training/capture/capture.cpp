@@ -11,12 +11,14 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "base/threads/workers.h"
+#include "media/jpeg.h"
 #include "motion/skeleton/model_motion.h"
 #include "motion/skeleton/skeleton_file.h"
 #include "render/set/raster.h"
 #include "stage/pose.h"
 #include "training/capture/backdrop.h"
 #include "training/capture/capture_files.h"
+#include "training/capture/studio.h"
 
 namespace neuvv::training {
 
@@ -45,6 +47,11 @@ void check_settings(const CaptureSettings& s) {
            "choose 0 to below 1");
     expect(s.holdout == 0 || s.cameras >= 2, "holdout", "one camera cannot be kept back and used too",
            Remedy::kMoreCameras);
+    if (!s.studio) return;
+    const std::vector<bool> is_test = held_out(s.cameras, s.holdout);
+    const auto train = std::count(is_test.begin(), is_test.end(), false);
+    expect(train >= kMinStudioCameras, "cameras", fmt::format("{} that train are too few for a studio", train),
+           fmt::format("choose more, so that {} train", kMinStudioCameras));
 }
 
 int32_t choose_animation(const stage::GltfScene& scene, const std::string& name) {
@@ -91,17 +98,23 @@ void for_each_pose(const stage::GltfScene& scene, int32_t animation, const std::
     }
 }
 
+bool shows_room(const CaptureSettings& settings) {
+    return settings.studio || settings.background == CaptureBackground::kChecker;
+}
+
 // Creates the folders and removes older transforms: where a new capture into the folder is interrupted, they would name
 // images of two captures.
 void prepare_folder(const std::filesystem::path& folder, const CaptureSettings& settings) {
     std::error_code error;
-    for (const char* name : {"transforms_train.json", "transforms_test.json", kTrueSkeleton}) {
+    for (const char* name : {"transforms_train.json", "transforms_test.json", kTrueSkeleton, kStudioTruth}) {
         std::filesystem::remove(folder / name, error);
         if (error)
             throw RuntimeFailure(fmt::format("{}: cannot remove: {}", (folder / name).string(), error.message()));
     }
-    for (const char* name : {"images", "plates"}) {
-        if (name == std::string("plates") && settings.background == CaptureBackground::kClear) continue;
+    std::vector<const char*> names{"images"};
+    if (shows_room(settings)) names.push_back("plates");
+    if (settings.studio) names.push_back("mattes");
+    for (const char* name : names) {
         std::filesystem::create_directories(folder / name, error);
         if (error)
             throw RuntimeFailure(fmt::format("{}: cannot create: {}", (folder / name).string(), error.message()));
@@ -138,18 +151,37 @@ struct Session {
     const CaptureSettings& settings;
     const std::filesystem::path& folder;
     const CaptureStage& stage;
+    std::optional<Studio> studio;
     std::vector<media::Image> plates;  // by camera; empty with a clear background
     Workers workers;
+
+    bool is_spoilt(size_t camera) const { return studio && !studio->cameras[camera].held_out; }
 };
 
+// Writes the plate that a camera of a studio has, right or wrong.
+void write_studio_plate(const Session& session, size_t camera) {
+    const StudioCamera& with = session.studio->cameras[camera];
+    if (with.plate_fault == PlateFault::kMissing) return;
+    const size_t shown = with.plate_fault == PlateFault::kOfAnotherCamera ? with.plate_of : camera;
+    const media::Image plate = with.plate_fault == PlateFault::kGreen
+                                   ? green_plate(session.settings.width, session.settings.height)
+                                   : record(*session.studio, shown, kPlateFrame, session.plates[shown]);
+    media::write_jpeg(session.folder / "plates" / (camera_name(with.filed_as) + ".jpg"), plate, kStudioJpegQuality);
+}
+
 void write_plates(Session& session) {
-    if (session.settings.background == CaptureBackground::kClear) return;
+    if (!shows_room(session.settings)) return;
     session.plates.resize(session.stage.cameras.size());
     const Backdrop room = backdrop_of(session.stage);
     for (size_t c = 0; c < session.plates.size(); ++c)
-        session.workers.add([&session, room, c] {
-            session.plates[c] = clean_plate(room, session.stage.cameras[c]);
-            media::write_png(session.folder / "plates" / (camera_name(c) + ".png"), session.plates[c]);
+        session.workers.add([&session, room, c] { session.plates[c] = clean_plate(room, session.stage.cameras[c]); });
+    session.workers.finish();
+    for (size_t c = 0; c < session.plates.size(); ++c)
+        session.workers.add([&session, c] {
+            if (session.is_spoilt(c))
+                write_studio_plate(session, c);
+            else
+                media::write_png(session.folder / "plates" / (camera_name(c) + ".png"), session.plates[c]);
         });
     session.workers.finish();
 }
@@ -157,9 +189,18 @@ void write_plates(Session& session) {
 void write_image(const Session& session, size_t camera, size_t frame, const render::RasterImage& image) {
     const uint32_t width = session.settings.width, height = session.settings.height;
     const std::vector<glm::vec4> light = render::box_down(image, width, height);
-    const auto path = session.folder / "images" / (image_name(camera, frame) + ".png");
-    media::write_png(path, session.plates.empty() ? render::encode_straight(light, width, height)
-                                                  : compose(light, session.plates[camera]));
+    const std::filesystem::path images = session.folder / "images";
+    const media::Image scene =
+        session.plates.empty() ? render::encode_straight(light, width, height) : compose(light, session.plates[camera]);
+    if (!session.is_spoilt(camera)) {
+        media::write_png(images / (image_name(camera, frame) + ".png"), scene);
+        return;
+    }
+    const Studio& studio = *session.studio;
+    const auto number = static_cast<uint32_t>(frame);
+    const std::string name = image_name(studio.cameras[camera].filed_as, frame);
+    media::write_jpeg(images / (name + ".jpg"), record(studio, camera, number, scene), kStudioJpegQuality);
+    media::write_png(session.folder / "mattes" / (name + ".png"), studio_matte(studio, camera, number, scene));
 }
 
 // Writes the model's own joints. Returns why there is none, empty where there is: not every model is a person.
@@ -173,6 +214,23 @@ std::string write_true_skeleton(const std::filesystem::path& folder, const stage
     }
     motion::write_skeleton(folder / kTrueSkeleton, clip);
     return "";
+}
+
+// Last, so that a folder with transforms is complete.
+void write_cameras(const Session& session, const std::vector<bool>& is_test) {
+    const CaptureSettings& settings = session.settings;
+    CapturedClip clip{session.stage.cameras, is_test, settings.frames, settings.fps, session.stage.box};
+    if (!session.plates.empty()) clip.plates.assign(settings.cameras, true);
+    if (std::ranges::find(is_test, true) != is_test.end())
+        write_transforms(session.folder / "transforms_test.json", clip);
+    clip.written.flip();
+    if (session.studio) {
+        clip.ending = ".jpg";
+        for (const StudioCamera& camera : session.studio->cameras)
+            clip.plates[camera.filed_as] = camera.plate_fault != PlateFault::kMissing;
+        write_studio_truth(session.folder / kStudioTruth, *session.studio);
+    }
+    write_transforms(session.folder / "transforms_train.json", clip);
 }
 
 // Returns false where the caller stopped it.
@@ -244,14 +302,13 @@ CaptureResult capture(const gpu::Device& device, const std::filesystem::path& mo
     const uint64_t image_bytes =
         uint64_t{8} * render::kSupersample * render::kSupersample * settings.width * settings.height;
     const uint64_t waiting = std::clamp<uint64_t>(kMaxWaiting_bytes / image_bytes, 1, 2 * threads);
-    Session session{settings, folder, stage, {}, Workers(threads, waiting)};
+    std::optional<Studio> studio;
+    if (settings.studio) studio = make_studio(*settings.studio, is_test, settings.frames);
+    Session session{settings, folder, stage, std::move(studio), {}, Workers(threads, waiting)};
     write_plates(session);
     if (!render_images(session, device, scene, animation, progress)) return result;
     result.no_skeleton = write_true_skeleton(folder, scene, animation, settings);
-    CapturedClip clip{stage.cameras, is_test, settings.frames, settings.fps, stage.box, !session.plates.empty()};
-    if (result.test_cameras > 0) write_transforms(folder / "transforms_test.json", clip);
-    clip.written.flip();
-    write_transforms(folder / "transforms_train.json", clip);
+    write_cameras(session, is_test);
     result.complete = true;
     return result;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "gpu/device.h"
@@ -28,6 +29,9 @@ struct CaptureSettings {
     std::string animation;  // name or index; empty: the first, or the rest pose where there is none
     double holdout = 0.1;   // share of the cameras that are held out for the test, below 1
     CaptureBackground background = CaptureBackground::kClear;
+    // The seed of a simulated studio (studio.h), before the checkered room. Images that train become
+    // images/cNN_fNNN.jpg with mattes/cNN_fNNN.png and plates/cNN.jpg; those held out are as with kChecker.
+    std::optional<uint64_t> studio;
 };
 
 // Receives how many images are written, and of how many; returns false to stop.
@@ -44,10 +48,10 @@ struct CaptureResult {
 };
 
 // Writes folder/images/cNN_fNNN.png, for a humanoid folder/skeleton.glb (motion/skeleton/skeleton_file.h), with a
-// checkered background folder/plates/cNN.png, and last of all folder/transforms_train.json and _test.json, so that a
-// folder with transforms is complete. Older transforms are removed first. Frame i shows the animation at i / fps
-// seconds; an animation that has ended stays in its last pose. Throws InputError for settings and models that cannot be
-// captured, RuntimeFailure for what the machine cannot do.
+// checkered background folder/plates/cNN.png, of a studio folder/studio.json, and last of all
+// folder/transforms_train.json and _test.json, so that a folder with transforms is complete. Older transforms are
+// removed first. Frame i shows the animation at i / fps seconds; an animation that has ended stays in its last pose.
+// Throws InputError for settings and models that cannot be captured, RuntimeFailure for what the machine cannot do.
 CaptureResult capture(const gpu::Device& device, const std::filesystem::path& model,
                       const std::filesystem::path& folder, const CaptureSettings& settings,
                       const CaptureProgress& progress);

@@ -18,9 +18,11 @@ void write_transforms(const std::filesystem::path& file, const CapturedClip& cli
     for (size_t c = 0; c < clip.cameras.size(); ++c) {
         if (!clip.written[c]) continue;
         for (uint32_t f = 0; f < clip.frames; ++f)
-            transforms.frames.push_back({c, clip.frames > 1 ? f / (clip.frames - 1.0) : 0.0,
-                                         fmt::format("images/{}.png", image_name(c, f)),
-                                         clip.plates ? fmt::format("plates/{}.png", camera_name(c)) : "", ""});
+            transforms.frames.push_back(
+                {c, clip.frames > 1 ? f / (clip.frames - 1.0) : 0.0,
+                 fmt::format("images/{}{}", image_name(c, f), clip.ending),
+                 !clip.plates.empty() && clip.plates[c] ? fmt::format("plates/{}{}", camera_name(c), clip.ending) : "",
+                 ""});
     }
     write_transforms_file(file, transforms);
 }

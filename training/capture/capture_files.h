@@ -20,11 +20,12 @@ struct CapturedClip {
     uint32_t frames = 0;
     double fps = 25;
     std::pair<glm::dvec3, glm::dvec3> box;  // min, max in metres
-    bool plates = false;                    // whether each camera has a clean plate
+    std::vector<bool> plates = {};          // by camera, whether it has a clean plate; empty: none has
+    const char* ending = ".png";            // of images and plates
 };
 
-// Writes a transforms.json (training/data/layouts/README.md), which names images/IMAGE.png and plates/CAMERA.png. The
-// file is replaced atomically. Throws RuntimeFailure.
+// Writes a transforms.json (training/data/layouts/README.md), which names images and plates. The file is replaced
+// atomically. Throws RuntimeFailure.
 void write_transforms(const std::filesystem::path& file, const CapturedClip& clip);
 
 }  // namespace neuvv::training

@@ -81,9 +81,8 @@ bool render_performer_views(const gpu::Device& device, const voctree::VOctree& c
         }
     }
     workers.finish();
-    write_transforms(folder / "transforms_train.json",
-                     {cameras, std::vector<bool>(cameras.size(), true), clip.frames, clip.fps > 0 ? clip.fps : 25,
-                      voctree::occupied_box(clip), false});
+    write_transforms(folder / "transforms_train.json", {cameras, std::vector<bool>(cameras.size(), true), clip.frames,
+                                                        clip.fps > 0 ? clip.fps : 25, voctree::occupied_box(clip)});
     return !progress || progress(total, total);
 }
 
