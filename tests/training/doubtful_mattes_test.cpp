@@ -5,74 +5,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <set>
 
-#include "support/edit_image.h"
-#include "support/sphere_capture.h"
+#include "support/armed_figure.h"
 #include "training/tree/hull.h"
 
 namespace neuvv::test {
 namespace {
-
-// A ball with an arm, a row of small balls, which turns over the clip.
-constexpr float kBodyRadius = 0.35f, kArmRadius = 0.09f;
-constexpr uint32_t kArmBalls = 8, kFigureFrames = 4;
-
-glm::vec3 arm_ball(uint32_t frame, uint32_t i) {
-    const float angle = 0.4f * static_cast<float>(frame), along = 0.4f + 0.06f * static_cast<float>(i);
-    return along * glm::vec3(std::cos(angle), 0.5f, std::sin(angle));
-}
-
-bool meets(glm::vec3 eye, glm::vec3 ray, glm::vec3 centre, float radius) {
-    const glm::vec3 across = glm::cross(centre - eye, ray);
-    return glm::dot(across, across) < radius * radius * glm::dot(ray, ray);
-}
-
-bool sees_arm(glm::vec3 eye, glm::vec3 ray, uint32_t frame) {
-    bool seen = false;
-    for (uint32_t i = 0; i < kArmBalls; ++i) seen |= meets(eye, ray, arm_ball(frame, i), kArmRadius);
-    return seen;
-}
-
-// Calls paint(pixel, sees the body, sees the arm) for each pixel of a view.
-template <typename Paint>
-void paint_view(training::Dataset& dataset, size_t index, const Paint& paint) {
-    training::View& view = dataset.views[index];
-    const stage::Camera& camera = dataset.cameras[view.camera];
-    const glm::mat4 pose(camera.world_from_camera);
-    const auto frame = static_cast<uint32_t>(std::lround(view.time * (kFigureFrames - 1)));
-    edit_image(view, [&](media::Image& image) {
-        for (uint32_t y = 0; y < camera.height; ++y)
-            for (uint32_t x = 0; x < camera.width; ++x) {
-                const glm::vec3 at((x + 0.5 - camera.cx) / camera.fx, -(y + 0.5 - camera.cy) / camera.fy, -1);
-                const glm::vec3 eye(pose[3]), ray = glm::mat3(pose) * at;
-                paint(image.at(x, y), meets(eye, ray, glm::vec3(0), kBodyRadius), sees_arm(eye, ray, frame));
-            }
-    });
-}
-
-void set_alpha(uint8_t* pixel, bool opaque) {
-    std::fill_n(pixel, 4, uint8_t{0});
-    if (opaque) std::fill_n(pixel, 4, uint8_t{255});
-}
-
-// `lowered`: by how many pixels the figure lies lower in all images than in their centre.
-training::Dataset figure(uint32_t cameras, double lowered = 0) {
-    training::Dataset dataset = sphere_dataset({.cameras = cameras, .frames = kFigureFrames, .size = 64});
-    for (stage::Camera& camera : dataset.cameras) camera.cy += lowered;
-    for (size_t i = 0; i < dataset.views.size(); ++i)
-        paint_view(dataset, i, [](uint8_t* pixel, bool body, bool arm) { set_alpha(pixel, body || arm); });
-    return dataset;
-}
-
-void cut_arm(training::Dataset& dataset, size_t view) {
-    paint_view(dataset, view, [](uint8_t* pixel, bool body, bool) { set_alpha(pixel, body); });
-}
-
-void fill(training::Dataset& dataset, size_t view, bool opaque) {
-    paint_view(dataset, view, [&](uint8_t* pixel, bool, bool) { set_alpha(pixel, opaque); });
-}
 
 std::set<size_t> doubted(const std::vector<training::DoubtfulMatte>& mattes) {
     std::set<size_t> views;
@@ -116,19 +55,19 @@ void expect_repaired(training::Dataset spoilt, const training::Dataset& truth, c
 TEST(DoubtfulMattes, RightMattesAreLeftAsTheyAre) {
     for (const uint32_t cameras : {5u, 8u, 13u, 24u}) {
         SCOPED_TRACE(cameras);
-        expect_untouched(figure(cameras));
+        expect_untouched(armed_figure(cameras));
     }
 }
 
 TEST(DoubtfulMattes, ImagesMayCutTheFigure) {
     for (const double lowered : {12.0, 20.0, 28.0}) {
         SCOPED_TRACE(lowered);
-        expect_untouched(figure(13, lowered));
+        expect_untouched(armed_figure(13, lowered));
     }
 }
 
 TEST(DoubtfulMattes, TheBoxMayLeaveOutAPart) {
-    training::Dataset dataset = figure(13);
+    training::Dataset dataset = armed_figure(13);
     for (const double half : {0.5, 0.3}) {
         SCOPED_TRACE(half);
         dataset.box = {glm::dvec3(-half), glm::dvec3(half)};
@@ -137,7 +76,7 @@ TEST(DoubtfulMattes, TheBoxMayLeaveOutAPart) {
 }
 
 TEST(DoubtfulMattes, AnEmptyMatteDoesNotCarve) {
-    const training::Dataset truth = figure(13);
+    const training::Dataset truth = armed_figure(13);
     training::Dataset spoilt = truth;
     fill(spoilt, 6 * kFigureFrames + 1, false);
     expect_repaired(spoilt, truth, {6 * kFigureFrames + 1});
@@ -148,7 +87,7 @@ TEST(DoubtfulMattes, AnEmptyMatteDoesNotCarve) {
 
 // Five of 52 images, two of them of the same time.
 TEST(DoubtfulMattes, ATenthOfTheImagesLackAnArm) {
-    const training::Dataset truth = figure(13);
+    const training::Dataset truth = armed_figure(13);
     training::Dataset spoilt = truth;
     const std::set<size_t> wrong = {3 * kFigureFrames, 2 * kFigureFrames, 5 * kFigureFrames + 1, 9 * kFigureFrames + 2,
                                     12 * kFigureFrames + 3};
@@ -158,7 +97,7 @@ TEST(DoubtfulMattes, ATenthOfTheImagesLackAnArm) {
 
 // What the matte lacks teaches nothing; what it has stays.
 TEST(DoubtfulMattes, ThePixelsOfTheArmAreIgnored) {
-    training::Dataset dataset = figure(13);
+    training::Dataset dataset = armed_figure(13);
     cut_arm(dataset, 3 * kFigureFrames);
     const training::Dataset spoilt = dataset;
     ASSERT_EQ(training::ignore_doubtful_mattes(dataset).size(), 1u);
@@ -177,7 +116,7 @@ TEST(DoubtfulMattes, ThePixelsOfTheArmAreIgnored) {
 }
 
 TEST(DoubtfulMattes, MattesThatAreAllForegroundCastNoDoubtOnOthers) {
-    training::Dataset dataset = figure(13);
+    training::Dataset dataset = armed_figure(13);
     for (const size_t view : {size_t{0}, size_t{4 * kFigureFrames}, size_t{7 * kFigureFrames + 2}})
         fill(dataset, view, true);
     expect_untouched(dataset);
@@ -186,7 +125,7 @@ TEST(DoubtfulMattes, MattesThatAreAllForegroundCastNoDoubtOnOthers) {
 TEST(DoubtfulMattes, FewImagesAreNoEvidence) {
     for (const uint32_t cameras : {3u, 4u}) {
         SCOPED_TRACE(cameras);
-        training::Dataset dataset = figure(cameras);
+        training::Dataset dataset = armed_figure(cameras);
         fill(dataset, 0, false);
         cut_arm(dataset, kFigureFrames + 2);
         expect_untouched(dataset);

@@ -89,6 +89,11 @@ std::optional<PixelRectangle> image_of(const Silhouette& silhouette, const HullC
     return seen.whole && !seen.is_empty() ? std::optional(seen.part) : std::nullopt;
 }
 
+PixelRectangle part_in_image(const Silhouette& silhouette, const HullCell& cell) {
+    const Seen seen = seen_of(silhouette, cell);
+    return seen.is_empty() ? PixelRectangle{0, 0, 0, 0} : seen.part;
+}
+
 std::vector<bool> covered_pixels(const Silhouette& silhouette, const std::vector<HullCell>& cells) {
     const uint32_t width = silhouette.camera->width, height = silhouette.camera->height;
     const size_t stride = size_t{width} + 1;

@@ -61,6 +61,10 @@ std::vector<Silhouette> silhouettes_at(const Dataset& dataset, double time);
 // the image.
 std::optional<PixelRectangle> image_of(const Silhouette& silhouette, const HullCell& cell);
 
+// The pixels in which matter in the cell's ball may be visible, if only a part of the ball is in the image, too; empty
+// where there are none, and where the ball is too near.
+PixelRectangle part_in_image(const Silhouette& silhouette, const HullCell& cell);
+
 // For each pixel of the image, row by row, whether one of the cells may be visible in it.
 std::vector<bool> covered_pixels(const Silhouette& silhouette, const std::vector<HullCell>& cells);
 
