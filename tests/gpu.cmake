@@ -107,6 +107,7 @@ neuvv_test(training_test GPU COST 30
     training/hull_test.cpp
     training/doubtful_mattes_test.cpp
     training/misfits_test.cpp
+    training/camera_check_test.cpp
     training/bases_test.cpp
     training/grow_test.cpp
     training/merge_test.cpp

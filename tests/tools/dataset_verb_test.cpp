@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "support/armed_figure.h"
 #include "support/colmap_files.h"
 #include "support/rig_pixel.h"
 #include "support/sphere_capture.h"
@@ -86,6 +87,17 @@ TEST_F(DatasetVerb, ACaptureWithMattes) {
         EXPECT_GT(a[axis], centre - reach[axis] - 0.3);
         EXPECT_LT(b[axis], centre + reach[axis] + 0.3);
     }
+}
+
+TEST_F(DatasetVerb, SwappedCamerasAreNamed) {
+    std::filesystem::create_directories(folder.path / "data");
+    training::Dataset dataset = test::armed_figure(9);
+    for (training::View& view : dataset.views)
+        if (view.camera == 2 || view.camera == 7) view.camera = 9 - view.camera;
+    test::write_capture(folder.path / "data", dataset);
+    const std::string text = say();
+    EXPECT_EQ(field(text, "note").find("the images of cameras c02 and c07 seem to be swapped: "), 0u) << text;
+    EXPECT_EQ(text.find("doubtful matte"), std::string::npos) << "they are used where they belong\n" << text;
 }
 
 TEST_F(DatasetVerb, ACaptureWithoutMattesNamesTheMend) {

@@ -24,6 +24,7 @@
 #include "training/data/images.h"
 #include "training/data/layouts/formats.h"
 #include "training/data/matte_sources.h"
+#include "training/tree/camera_check.h"
 #include "training/tree/hull_box.h"
 
 namespace neuvv::tools {
@@ -236,8 +237,8 @@ void draw(const std::filesystem::path& folder, const training::Rig& rig, const s
 void report_rig(const DatasetOptions& options, const CommonOptions& common) {
     catch_stop_signals();
     const gpu::Device device(common.device);
-    const training::Rig rig =
-        training::read_rig(options.folder, training::Split::kTrain, options.format, options.holdout);
+    training::Rig rig = training::read_rig(options.folder, training::Split::kTrain, options.format, options.holdout);
+    training::check_cameras(rig);
     training::Dataset dataset = training::read_images(rig, {.format = options.format});
     training::ignore_doubtful_mattes(dataset);
     const auto found = search_rig(device, dataset, {.steps = UINT32_MAX}, {true, true, true}, true);
@@ -266,7 +267,12 @@ void run(const DatasetOptions& options) {
     if (!requested.found)  // throws its InputError again
         training::read_rig(options.folder, options.split == "train" ? training::Split::kTrain : training::Split::kTest,
                            options.format, options.holdout);
-    const training::Rig& rig = *requested.found;
+    training::Rig rig = *requested.found;
+    if (options.split == "train")
+        try_to_find([&] {
+            training::check_cameras(rig);
+            return true;
+        });
     const training::Rig sample = sample_of(rig);
     training::Dataset images = training::read_images(sample, {.mattes_needed = false});
     const std::optional<double> matte = matte_share(images);

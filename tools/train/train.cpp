@@ -24,6 +24,7 @@
 #include "training/run/checkpoint.h"
 #include "training/run/claim.h"
 #include "training/run/schedule.h"
+#include "training/tree/camera_check.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/clip_index.h"
 #include "voctree/files/clip_sound.h"
@@ -244,8 +245,8 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     }
     catch_stop_signals(kEndless);
     catch_batch_signals();
-    const training::Rig rig =
-        training::read_rig(options.dataset, training::Split::kTrain, options.format, options.holdout);
+    training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format, options.holdout);
+    training::check_cameras(rig);
     if (ranks.is_first()) say_remarks(rig.remarks);
     const std::optional<media::Sound> audio = ranks.is_first() ? read_audio(options) : std::nullopt;
     const auto write_audio = [&] {

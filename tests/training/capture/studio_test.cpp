@@ -1,9 +1,11 @@
 // The simulated studio does what its file says, and nothing to what is held out.
 #include "training/capture/studio.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,6 +16,11 @@
 #include "tests/support/temporary_folder.h"
 #include "training/capture/capture.h"
 #include "training/data/dataset.h"
+#include "training/data/images.h"
+#include "training/data/layouts/formats.h"
+#include "training/tree/camera_check.h"
+#include "training/tree/doubtful_mattes.h"
+#include "training/tree/hull_box.h"
 
 namespace neuvv {
 namespace {
@@ -195,6 +202,50 @@ TEST_F(StudioCapture, IsAsItsFileSays) {
     for (const auto& camera : truth["cameras"]) missing += camera.value("plate", "") == "missing" ? 1 : 0;
     for (const media::Image& plate : dataset.plates) plates += plate.width > 0 ? 1 : 0;
     EXPECT_EQ(plates, 8 - missing);
+}
+
+// Which cells of a grid may hold matter, at all times.
+std::vector<uint32_t> hull_bits(const training::Dataset& dataset) {
+    return training::carve(dataset, training::grid_cells(training::first_box(dataset), training::kBoxGrid));
+}
+
+// The share of the cells of either hull that both have.
+double common_share(const std::vector<uint32_t>& a, const std::vector<uint32_t>& b) {
+    int both = 0, either = 0;
+    for (size_t i = 0; i < a.size(); ++i) {
+        both += std::popcount(a[i] & b[i]);
+        either += std::popcount(a[i] | b[i]);
+    }
+    return static_cast<double>(both) / std::max(either, 1);
+}
+
+// The shares of the clean capture's hull that a studio's capture has: as its files are, with doubtful mattes ignored,
+// and with the cameras checked before that.
+std::array<double, 3> hull_shares(const std::filesystem::path& clean, const std::filesystem::path& studio) {
+    const std::vector<uint32_t> truth = hull_bits(training::load_dataset(clean, training::Split::kTrain));
+    training::Dataset dataset = training::load_dataset(studio, training::Split::kTrain);
+    std::array<double, 3> shares = {common_share(truth, hull_bits(dataset))};
+    training::ignore_doubtful_mattes(dataset);
+    shares[1] = common_share(truth, hull_bits(dataset));
+    training::Rig rig = training::read_rig(studio, training::Split::kTrain);
+    training::check_cameras(rig);
+    dataset = training::read_images(rig, {});
+    training::ignore_doubtful_mattes(dataset);
+    shares[2] = common_share(truth, hull_bits(dataset));
+    return shares;
+}
+
+TEST_F(StudioCapture, TheHullIsThatOfTheCleanCapture) {
+    const std::filesystem::path clean = take("clean");
+    for (const uint64_t seed : {1u, 2u, 3u, 4u}) {
+        SCOPED_TRACE(seed);
+        settings.studio = seed;
+        const auto [as_filed, repaired, checked] = hull_shares(clean, take(fmt::format("studio{}", seed)));
+        std::printf("seed %d: %.3f as filed, %.3f without doubtful mattes, %.3f with cameras checked\n",
+                    static_cast<int>(seed), as_filed, repaired, checked);
+        EXPECT_LT(as_filed, 0.9);
+        EXPECT_GT(checked, 0.97);
+    }
 }
 
 TEST_F(StudioCapture, AStudioNeedsCameras) {

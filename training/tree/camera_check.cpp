@@ -1,0 +1,76 @@
+#include "training/tree/camera_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "training/data/images.h"
+#include "training/data/layouts/formats.h"
+#include "training/data/segments.h"
+#include "training/tree/misfits.h"
+
+namespace neuvv::training {
+
+namespace {
+
+constexpr size_t kLookTimes = 5;
+
+// The rig with its images of a few times alone, evenly spread.
+Rig look_of(const Rig& rig) {
+    const std::vector<double> times = times_of(rig);
+    std::set<double> some;
+    for (size_t i = 0; i < kLookTimes; ++i) some.insert(times[(2 * i + 1) * times.size() / (2 * kLookTimes)]);
+    Rig look = rig;
+    std::erase_if(look.shots, [&](const Shot& shot) { return !some.contains(shot.time); });
+    return look;
+}
+
+bool has_mattes(const Dataset& look) {
+    return std::ranges::any_of(look.views, [](const View& view) {
+        for (uint32_t y = 0; y < view.image.height(); ++y)
+            for (uint32_t x = 0; x < view.image.width(); ++x)
+                if (view.image.at(x, y)[3] < 255 && !view.ignores(x, y)) return true;
+        return false;
+    });
+}
+
+std::string percent(double share) {
+    return fmt::format("{:.1f} %", 100 * share);
+}
+
+void swap_back(Rig& rig, const SwappedCameras& pair) {
+    RigCamera &a = rig.cameras[pair.a], &b = rig.cameras[pair.b];
+    for (Shot& shot : rig.shots)
+        if (shot.camera == pair.a || shot.camera == pair.b) shot.camera = pair.a + pair.b - shot.camera;
+    std::swap(a.plate, b.plate);
+    rig.remarks.push_back(fmt::format(
+        "the images of cameras {0} and {1} seem to be swapped: camera {0} shows what {1} should see, and {1} what {0} "
+        "should see. They are used swapped back, with their masks and plates: rename them (other cameras deny {2} of "
+        "the performer in an image, {3} when they are swapped back)",
+        a.name, b.name, percent(pair.unexplained), percent(pair.unexplained_swapped)));
+}
+
+void leave_out(Rig& rig, const std::vector<Misfit>& misfits) {
+    for (const Misfit& misfit : misfits) {
+        std::erase_if(rig.shots, [&](const Shot& shot) { return shot.camera == misfit.camera; });
+        rig.remarks.push_back(fmt::format(
+            "camera {} is left out, as its mattes contradict the others: {} of its performer is where others see "
+            "background, {} of theirs where it does. Correct its images, its mattes or its calibration",
+            rig.cameras[misfit.camera].name, percent(misfit.fit.unexplained), percent(misfit.fit.denied)));
+    }
+    drop_cameras_without_shots(rig);
+}
+
+}  // namespace
+
+void check_cameras(Rig& rig) {
+    if (most_misfits(rig.cameras.size()) == 0) return;
+    const Dataset look = read_images(look_of(rig), {.mattes_needed = false});
+    if (!has_mattes(look)) return;
+    const Misfits found = find_misfits(look);
+    for (const SwappedCameras& pair : found.swapped) swap_back(rig, pair);
+    if (!found.others.empty()) leave_out(rig, found.others);
+}
+
+}  // namespace neuvv::training
