@@ -32,11 +32,13 @@ struct Pose2Sim : testing::Test {
         "distortions = [ 0.0, 0.0, 0.0, 0.0]\nrotation = [ 0, 0, 0]\ntranslation = [ 0, 0, 5]\n"
         "fisheye = false\n\n[metadata]\nadjusted = false\nerror = 0.0\n";
 
-    void write_videos(std::initializer_list<const char*> names) const {
-        std::filesystem::create_directories(folder.path / "videos");
+    void write_videos(std::initializer_list<const char*> names, const std::string& trial = "",
+                      uint32_t width = 64) const {
+        const std::filesystem::path videos = folder.path / trial / "videos";
+        std::filesystem::create_directories(videos);
         for (const char* name : names) {
-            media::VideoWriter writer(folder.path / "videos" / (std::string(name) + ".mp4"), 64, 48, 30);
-            for (int i = 0; i < 2; ++i) writer.add(media::Image(64, 48));
+            media::VideoWriter writer(videos / (std::string(name) + ".mp4"), width, 48, 30);
+            for (int i = 0; i < 2; ++i) writer.add(media::Image(width, 48));
             writer.finish();
         }
     }
@@ -90,6 +92,44 @@ TEST_F(Pose2Sim, VideosOfOtherNamesBelongToCamerasByOrder) {
     EXPECT_EQ(rig.remarks[1], "camera cam_2: videos/middle.*, by their order");
     write_videos({"another"});
     expect_input_error([&] { read(); }, {"Calib_scene.toml", "3 cameras", "videos/ has the images of 4"});
+}
+
+// Pose2Sim has trials in the folder of their session, or of a participant there.
+TEST_F(Pose2Sim, TrialsHaveTheCalibrationOfTheirSession) {
+    for (const char* trial : {"walk", "anna/walk"}) {
+        write_videos({"cam_1", "cam_2", "cam_10"}, trial);
+        expect_input_error([&] { training::read_rig(folder.path / trial, training::Split::kTrain); },
+                           {"no data set of a known layout"});
+    }
+    write_text(folder.path / "calibration" / "Calib_scene.toml", first + others);
+    for (const char* trial : {"walk", "walk/", "anna/walk"}) {
+        const training::Rig rig = training::read_rig(folder.path / trial, training::Split::kTrain);
+        EXPECT_EQ(rig.format, "pose2sim");
+        EXPECT_EQ(rig.cameras.size(), 2u) << trial;
+        EXPECT_NE(rig.file.find("calibration/Calib_scene.toml"), std::string::npos);
+    }
+    // The nearest one counts, a trial's own before all; other folders are no trials.
+    write_text(folder.path / "anna" / "Calib.toml", others);
+    EXPECT_NE(training::read_rig(folder.path / "anna/walk", training::Split::kTrain).file.find("anna/Calib.toml"),
+              std::string::npos);
+    write_text(folder.path / "walk" / "Calib.toml", first + others);
+    EXPECT_NE(training::read_rig(folder.path / "walk", training::Split::kTrain).file.find("walk/Calib.toml"),
+              std::string::npos);
+    std::filesystem::create_directories(folder.path / "notes");
+    expect_input_error([&] { training::read_rig(folder.path / "notes", training::Split::kTrain); },
+                       {"no data set of a known layout"});
+}
+
+// Points need no images: those of the calibration's shape are taken as they are.
+TEST_F(Pose2Sim, ImagesOfAnotherShapeMatterOnlyWhereTheyAreRead) {
+    write_videos({"cam_1", "cam_2", "cam_10"}, "", 60);
+    expect_input_error([&] { read(); }, {"60×48", "64×48", "another shape"});
+    const training::Rig rig = training::read_rig_of_points(folder.path);
+    ASSERT_EQ(rig.cameras.size(), 3u) << "of all splits";
+    EXPECT_EQ(rig.shots.size(), 6u);
+    EXPECT_EQ(rig.cameras[1].lens.width, 64u);
+    EXPECT_EQ(rig.cameras[1].lens.cx, 31.5);
+    EXPECT_TRUE(rig.misfit);
 }
 
 TEST_F(Pose2Sim, DamageIsNamed) {

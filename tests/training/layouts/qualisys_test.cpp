@@ -108,6 +108,21 @@ TEST_F(Qualisys, CamerasWithoutVideosAreNotChecked) {
     expect_input_error([&] { read(); }, {"transform, line 6", "r12"});
 }
 
+// As in Pose2Sim's demo, where the calibration has cam_01 and the video is cam01.
+TEST_F(Qualisys, VideosOfOtherNamesBelongToCamerasByOrder) {
+    for (const char* serial : {"26578", "26579", "26580"})
+        std::filesystem::rename(folder.path / "videos" / fmt::format("walk_Miqus_1_{}.mp4", serial),
+                                folder.path / "videos" / fmt::format("cam{}.mp4", serial[4]));
+    expect_input_error([&] { read(); }, {"Calib.qca.txt", "4 cameras", "3 videos"});
+    std::filesystem::copy(folder.path / "videos" / "cam8.mp4", folder.path / "videos" / "cam10.mp4");
+    const training::Rig rig = read();
+    ASSERT_EQ(rig.cameras.size(), 3u);
+    EXPECT_EQ(rig.cameras[0].name, "cam8") << "cam0 is held out";
+    EXPECT_EQ(rig.cameras[0].world_from_camera[3].x, 1) << "the second by its serial number";
+    EXPECT_EQ(rig.cameras[2].name, "cam10");
+    EXPECT_NE(std::ranges::find(rig.remarks, "camera 26579: videos/cam8.*, by their order"), rig.remarks.end());
+}
+
 TEST_F(Qualisys, MetresAreTakenAsMetres) {
     unit = "1";
     const training::Rig rig = read();

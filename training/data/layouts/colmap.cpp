@@ -104,7 +104,7 @@ std::vector<CameraFrames> still_cameras(Rig& rig, const ColmapModel& model, cons
 
 // Every image as a camera of its own: either a camera moved, or the scene stood still. For images in folders, the file
 // name gives the frame; all other images show the same time.
-std::vector<CameraFrames> image_cameras(const Rig& rig, const ColmapModel& model, const std::filesystem::path& masks) {
+std::vector<CameraFrames> image_cameras(Rig& rig, const ColmapModel& model, const std::filesystem::path& masks) {
     std::vector<CameraFrames> cameras;
     const ImagesByCamera groups = by_camera(model);
     const std::filesystem::path images_folder = training::images_folder(rig.folder).path;

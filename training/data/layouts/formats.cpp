@@ -21,6 +21,8 @@ struct Format {
     bool (*detects)(const std::filesystem::path& folder);
     Rig (*read)(const std::filesystem::path& folder, Split split);
     bool validates;  // has Split::kVal
+    // Whether the calibration lies in the session above; null: it never does.
+    bool (*detects_session)(const std::filesystem::path& folder) = nullptr;
 };
 
 // In the order in which layouts are tried, as a folder often contains files of several programs.
@@ -36,8 +38,8 @@ constexpr Format kFormats[] = {
     {"actorshq", "calibration.csv", has_actorshq_files, read_actorshq_rig, false},
     {"metashape", "cameras.xml", has_metashape_files, read_metashape_rig, false},
     {"realitycapture", "a .csv of cameras", has_realitycapture_files, read_realitycapture_rig, false},
-    {"qualisys", "NAME.qca.txt", has_qualisys_files, read_qualisys_rig, false},
-    {"pose2sim", "Calib.toml", has_pose2sim_files, read_pose2sim_rig, false},
+    {"qualisys", "NAME.qca.txt", has_qualisys_files, read_qualisys_rig, false, has_qualisys_session},
+    {"pose2sim", "Calib.toml", has_pose2sim_files, read_pose2sim_rig, false, has_pose2sim_session},
     {"opencv", "<camera>.yml", has_opencv_files, read_opencv_rig, false},
 };
 
@@ -51,6 +53,8 @@ const Format& find_format(const std::filesystem::path& folder, const std::string
         if (name == kAnyFormat ? format.detects(folder) : name == format.name) return format;
         known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", format.files, format.name);
     }
+    for (const Format& format : kFormats)
+        if (name == kAnyFormat && format.detects_session && format.detects_session(folder)) return format;
     if (name == kAnyFormat)
         throw InputError(folder.string(), "", "is no data set of a known layout", "name a folder that holds " + known);
     throw InputError(Setting{"format"}, name, "is not a known layout", "give one of " + known);
@@ -110,7 +114,10 @@ void drop_cameras_without_shots(Rig& rig) {
     rig.cameras = std::move(kept);
 }
 
-Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format, const std::string& holdout) {
+namespace {
+
+Rig read_any_rig(const std::filesystem::path& folder, Split split, const std::string& format,
+                 const std::string& holdout) {
     const Format& layout = find_format(folder, format);
     if (split == Split::kVal && (!layout.validates || !holdout.empty()))
         throw InputError(folder.string(), "", fmt::format("{} data sets have no validation split", layout.name),
@@ -124,6 +131,18 @@ Rig read_rig(const std::filesystem::path& folder, Split split, const std::string
     expect_sound(rig);
     settle_presentation(rig);
     return rig;
+}
+
+}  // namespace
+
+Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format, const std::string& holdout) {
+    Rig rig = read_any_rig(folder, split, format, holdout);
+    if (rig.misfit) throw *rig.misfit;
+    return rig;
+}
+
+Rig read_rig_of_points(const std::filesystem::path& folder) {
+    return read_any_rig(folder, Split::kAll, kAnyFormat, "");
 }
 
 }  // namespace neuvv::training

@@ -20,6 +20,9 @@ std::vector<std::string> format_names();
 // `holdout` says which cameras are held out (holdout.h); where it is empty, the layout does.
 Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format = kAnyFormat,
              const std::string& holdout = "");
+// The cameras and shots of all splits, for points that were found in the images: these may have another shape than the
+// calibration says (Rig::misfit), which read_rig refuses.
+Rig read_rig_of_points(const std::filesystem::path& folder);
 
 // Removes the cameras of which no shot is in the rig.
 void drop_cameras_without_shots(Rig& rig);

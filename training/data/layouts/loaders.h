@@ -1,5 +1,6 @@
 // The loaders of layouts. For each of them, has_…_files() says whether a folder has the layout, and read_…_rig() reads
 // its cameras and where each image lies; README.md says of which fields. All throw InputError with file, place and fix.
+// has_…_session() says whether the session of a folder has the layout's calibration.
 //
 // Where a comment says nothing else, every 8th camera with images (the first, the 9th, … in natural order of their
 // names) is held out for the test split, and cameras without images are left out.
@@ -59,11 +60,13 @@ Rig read_polycam_rig(const std::filesystem::path& folder, Split split);
 
 // Pose2Sim or anipose: Calib.toml, beside videos or images by camera.
 bool has_pose2sim_files(const std::filesystem::path& folder);
+bool has_pose2sim_session(const std::filesystem::path& folder);
 Rig read_pose2sim_rig(const std::filesystem::path& folder, Split split);
 
 // Qualisys Track Manager: Calib.qca.txt (XML), beside the videos of its video cameras, which are named by their serial
-// numbers.
+// numbers; where no camera's name is that of a video, as with Pose2Sim.
 bool has_qualisys_files(const std::filesystem::path& folder);
+bool has_qualisys_session(const std::filesystem::path& folder);
 Rig read_qualisys_rig(const std::filesystem::path& folder, Split split);
 
 // RealityCapture (RealityScan): the table "Internal/External camera parameters", beside images or videos by camera.

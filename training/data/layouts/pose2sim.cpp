@@ -27,13 +27,8 @@ namespace {
 
 constexpr uint64_t kMaxTomlBytes = uint64_t{4} << 20;
 
-Choice toml_file(const std::filesystem::path& folder) {
-    std::vector<std::filesystem::path> files;
-    for (const auto& candidate : calibration_folders(folder))
-        for (const auto& file : find_files_by_header(candidate, ".toml", {"distortions", "rotation", "translation"}))
-            files.push_back(file);
-    return newest_of(files);
-}
+constexpr const char* kTomlEnding = ".toml";
+const std::vector<std::string> kTomlTexts = {"distortions", "rotation", "translation"};
 
 // The table of a camera.
 struct TomlCamera {
@@ -153,11 +148,15 @@ std::vector<CalibratedCamera> read_cameras(Rig& rig) {
 }  // namespace
 
 bool has_pose2sim_files(const std::filesystem::path& folder) {
-    return !toml_file(folder).path.empty();
+    return !newest_calibration(folder, kTomlEnding, kTomlTexts).path.empty();
+}
+
+bool has_pose2sim_session(const std::filesystem::path& folder) {
+    return !session_calibration(folder, kTomlEnding, kTomlTexts).path.empty();
 }
 
 Rig read_pose2sim_rig(const std::filesystem::path& folder, Split split) {
-    const auto [path, remark] = toml_file(folder);
+    const auto [path, remark] = calibration_of(folder, kTomlEnding, kTomlTexts);
     if (path.empty())
         throw InputError(folder.string(), "", "holds no Calib.toml, and neither does its folder calibration/",
                          "calibrate the cameras in Pose2Sim, anipose or Caliscope");

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 
 #include "base/error.h"
 #include "interchange/camera/json_pose.h"
@@ -28,12 +29,8 @@ constexpr double kMaxBinning = 8, kBinningTolerance = 0.01;
 constexpr double kMetres_mm = 1000;
 constexpr double kSmallestRig_mm = 50;  // cameras within so few units of the origin are given in metres
 
-Choice qca_file(const std::filesystem::path& folder) {
-    std::vector<std::filesystem::path> files;
-    for (const auto& candidate : calibration_folders(folder))
-        for (const auto& file : find_files_by_header(candidate, ".qca.txt", {"<calibration"})) files.push_back(file);
-    return newest_of(files);
-}
+constexpr const char* kQcaEnding = ".qca.txt";
+const std::vector<std::string> kQcaTexts = {"<calibration"};
 
 // The pixels from first to last.
 double extent(const XmlNode& node, const char* first, const char* last) {
@@ -97,6 +94,14 @@ double units_per_metre(const std::vector<XmlNode>& cameras) {
     return 1;
 }
 
+// The cameras with videos by their names, in natural order, as Pose2Sim takes them.
+std::multimap<std::string, XmlNode, NaturalOrder> video_cameras(const XmlNode& root) {
+    std::multimap<std::string, XmlNode, NaturalOrder> cameras;
+    for (const XmlNode& node : root.child("cameras").children("camera"))
+        if (node.find("fov_video")) cameras.emplace(node.text("serial"), node);
+    return cameras;
+}
+
 // Gives a camera that has images its lens and its pose.
 void calibrate(CalibratedCamera& camera, const XmlNode& node, double metre, double distortion_units, Rig& rig) {
     camera.camera.lens = video_lens(node, distortion_units);
@@ -110,11 +115,15 @@ void calibrate(CalibratedCamera& camera, const XmlNode& node, double metre, doub
 }  // namespace
 
 bool has_qualisys_files(const std::filesystem::path& folder) {
-    return !qca_file(folder).path.empty();
+    return !newest_calibration(folder, kQcaEnding, kQcaTexts).path.empty();
+}
+
+bool has_qualisys_session(const std::filesystem::path& folder) {
+    return !session_calibration(folder, kQcaEnding, kQcaTexts).path.empty();
 }
 
 Rig read_qualisys_rig(const std::filesystem::path& folder, Split split) {
-    const auto [path, remark] = qca_file(folder);
+    const auto [path, remark] = calibration_of(folder, kQcaEnding, kQcaTexts);
     if (path.empty())
         throw InputError(folder.string(), "", "holds no calibration of Qualisys, NAME.qca.txt",
                          "export it from Qualisys Track Manager");
@@ -126,11 +135,10 @@ Rig read_qualisys_rig(const std::filesystem::path& folder, Split split) {
     rig.file = path.string();
     if (!remark.empty()) rig.remarks.push_back(remark);
     std::vector<CalibratedCamera> calibrated;
-    std::vector<XmlNode> nodes, used;  // used: with images, as cameras that see only markers are in the file, too
-    for (const XmlNode& node : root.child("cameras").children("camera")) {
-        if (!node.find("fov_video")) continue;
+    std::vector<XmlNode> nodes, used;  // used: those with images, as cameras that see only markers are in the file, too
+    for (const auto& [name, node] : video_cameras(root)) {
         CalibratedCamera& camera = calibrated.emplace_back(CalibratedCamera{{}, node.place()});
-        camera.camera.name = node.text("serial");
+        camera.camera.name = name;
         nodes.push_back(node);
     }
     pair_by_order(rig, calibrated);

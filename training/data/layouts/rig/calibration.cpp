@@ -101,7 +101,7 @@ std::vector<double> json_numbers(const JsonNode& node, size_t count) {
     return numbers;
 }
 
-void fit_to_images(RigCamera& camera, ImageSource image, const Rig& rig, const std::string& place) {
+void fit_to_images(RigCamera& camera, ImageSource image, Rig& rig, const std::string& place) {
     const interchange::Lens& lens = camera.lens;
     image.as_stored = used_as_stored(image, lens, rig.images_as_stored);
     const media::ImageSize size = size_of(image);
@@ -112,12 +112,13 @@ void fit_to_images(RigCamera& camera, ImageSource image, const Rig& rig, const s
     const double rounding = 1.0 / std::min(size.width, lens.width) + 1.0 / std::min(size.height, lens.height);
     const bool as_shown = image.video_frame >= 0 && std::abs(across / down - 1) > rounding;
     const double aspect = as_shown ? media::VideoReader(image.path).pixel_aspect() : 1;
-    if (std::abs(across / down * aspect - 1) > rounding)
-        throw InputError(image.path.string(), "",
-                         fmt::format("is {}×{}, but {} of {} says {}×{}, another shape", size.width, size.height, place,
-                                     rig.file, lens.width, lens.height),
-                         "give the images that the calibration is for, or scaled copies");
-    camera.lens = scaled(lens, size.width, size.height);
+    if (std::abs(across / down * aspect - 1) <= rounding)
+        camera.lens = scaled(lens, size.width, size.height);
+    else if (!rig.misfit)
+        rig.misfit = InputError(image.path.string(), "",
+                                fmt::format("is {}×{}, but {} of {} says {}×{}, another shape", size.width, size.height,
+                                            place, rig.file, lens.width, lens.height),
+                                "give the images that the calibration is for, or scaled copies");
 }
 
 void expect_sound(const RigCamera& camera, const std::string& file, const std::string& place) {
@@ -173,6 +174,36 @@ std::vector<std::filesystem::path> find_files_by_header(const std::filesystem::p
                                     [&](const std::string& text) { return header.find(text) != std::string::npos; });
     });
     return files;
+}
+
+namespace {
+
+Choice newest_in(const std::vector<std::filesystem::path>& folders, const std::string& ending,
+                 const std::vector<std::string>& texts) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& folder : folders)
+        for (const auto& file : find_files_by_header(folder, ending, texts)) files.push_back(file);
+    return newest_of(files);
+}
+
+}  // namespace
+
+Choice newest_calibration(const std::filesystem::path& folder, const std::string& ending,
+                          const std::vector<std::string>& texts) {
+    return newest_in(calibration_folders(folder), ending, texts);
+}
+
+Choice session_calibration(const std::filesystem::path& folder, const std::string& ending,
+                           const std::vector<std::string>& texts) {
+    for (const auto& session : session_folders(folder))
+        if (Choice found = newest_in(session, ending, texts); !found.path.empty()) return found;
+    return {};
+}
+
+Choice calibration_of(const std::filesystem::path& folder, const std::string& ending,
+                      const std::vector<std::string>& texts) {
+    Choice own = newest_calibration(folder, ending, texts);
+    return own.path.empty() ? session_calibration(folder, ending, texts) : own;
 }
 
 }  // namespace neuvv::training

@@ -8,6 +8,7 @@
 
 #include "base/formats/json.h"
 #include "media/image.h"
+#include "training/data/layouts/rig/candidates.h"
 #include "training/data/layouts/rig/rig.h"
 
 namespace neuvv::training {
@@ -34,9 +35,9 @@ std::vector<double> json_numbers(const JsonNode& node, size_t count);
 
 // Scales the camera's lens to the size of its images where the calibration is for the same images at another size.
 // `image` is the first of them. A video whose pixels are not square may have the calibration's shape when it is shown.
-// Throws InputError where their shape is another, as that of cropped images is. A lens that knows no size stays as it
-// is.
-void fit_to_images(RigCamera& camera, ImageSource image, const Rig& rig, const std::string& place);
+// Where their shape is another, as that of cropped images is, the lens stays as it is and rig.misfit says so. A lens
+// that knows no size stays as it is, too.
+void fit_to_images(RigCamera& camera, ImageSource image, Rig& rig, const std::string& place);
 
 // Throws InputError(file, place, …) for a lens or a camera position that cannot be right: numbers that are not finite
 // or absurdly large, a focal length that is not positive, a width of 0 beside a height or the reverse.
@@ -49,5 +50,16 @@ void expect_inside(const std::string& name, const std::string& file, const std::
 // kilobytes hold all of these texts: some programs leave the name of a calibration to their users.
 std::vector<std::filesystem::path> find_files_by_header(const std::filesystem::path& folder, const std::string& ending,
                                                         const std::vector<std::string>& texts);
+
+// The newest of the calibrations that find_files_by_header finds in a capture's calibration_folders; an empty path
+// where there are none.
+Choice newest_calibration(const std::filesystem::path& folder, const std::string& ending,
+                          const std::vector<std::string>& texts);
+// The same of the nearest of its session_folders that has any.
+Choice session_calibration(const std::filesystem::path& folder, const std::string& ending,
+                           const std::vector<std::string>& texts);
+// The former, or where there is none the latter.
+Choice calibration_of(const std::filesystem::path& folder, const std::string& ending,
+                      const std::vector<std::string>& texts);
 
 }  // namespace neuvv::training

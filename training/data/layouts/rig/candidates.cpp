@@ -83,6 +83,22 @@ std::vector<std::filesystem::path> calibration_folders(const std::filesystem::pa
     return folders;
 }
 
+std::vector<std::vector<std::filesystem::path>> session_folders(const std::filesystem::path& folder) {
+    constexpr int kLevels = 2;  // a session may have a folder for each participant, which has one for each trial
+    std::vector<std::vector<std::filesystem::path>> sessions;
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(folder / "videos", ignored) &&
+        !std::filesystem::is_directory(folder / "pose", ignored))
+        return sessions;
+    std::filesystem::path above = std::filesystem::absolute(folder, ignored).lexically_normal();
+    if (!above.has_filename()) above = above.parent_path();  // a name that ends with a slash
+    for (int level = 0; level < kLevels && above.has_relative_path(); ++level) {
+        above = above.parent_path();
+        sessions.push_back(calibration_folders(above));
+    }
+    return sessions;
+}
+
 Choice images_folder(const std::filesystem::path& folder) {
     std::map<std::string, std::filesystem::path, NaturalOrder> found;
     std::error_code ignored;

@@ -30,6 +30,10 @@ Choice newest_of(std::vector<std::filesystem::path> files);
 // The folder, and those in it whose name contains "calib", as Pose2Sim looks for them.
 std::vector<std::filesystem::path> calibration_folders(const std::filesystem::path& folder);
 
+// Where a trial of Pose2Sim, a folder with videos/ or pose/, may have the calibration of its session: the folders above
+// it, the nearest first, each followed by those in it whose name contains "calib". Empty for other folders.
+std::vector<std::vector<std::filesystem::path>> session_folders(const std::filesystem::path& folder);
+
 // The folder of a capture's images: images, or else the first of images_2, images_4 …, which other programs make of
 // smaller copies.
 Choice images_folder(const std::filesystem::path& folder);

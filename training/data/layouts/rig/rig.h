@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "interchange/camera/lens.h"
 #include "voctree/files/world_frame.h"
 
@@ -64,6 +65,9 @@ struct Rig {
     // What a person checks before training: the unit of the poses and the way up, and what else the loader decided.
     std::string world;
     std::vector<std::string> remarks;
+    // Why the images of a camera, whatever its split, cannot be read with its lens: they have another shape than those
+    // that it was calibrated for. Points in the images of the calibration can.
+    std::optional<InputError> misfit = {};
     // Whether the program that calibrated ignores Exif's orientation. Loaders set it before they look for images.
     bool images_as_stored = false;
 };
