@@ -1,5 +1,6 @@
 // Reading TRC, a table of markers that OpenSim, Pose2Sim and motion capture systems write: five lines of header, then a
-// line for each frame with its number, its time, and x, y, z of each marker.
+// line for each frame with its number, its time, and x, y, z of each marker. Tabs part the fields; lines without tabs
+// are parted by spaces.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -59,6 +60,32 @@ std::optional<double> number_in(const std::string& field) {
     return value;
 }
 
+std::vector<std::string> fields_of(const std::string& line) {
+    const bool tabs = line.find('\t') != std::string::npos;
+    std::vector<std::string> fields;
+    for (const std::string& field : split(line, tabs ? '\t' : ' ')) {
+        const size_t first = field.find_first_not_of(' ');
+        if (first != std::string::npos)
+            fields.push_back(field.substr(first, field.find_last_not_of(' ') + 1 - first));
+        else if (tabs)
+            fields.emplace_back();
+    }
+    if (fields.empty()) fields.emplace_back();
+    return fields;
+}
+
+// Pose2Sim writes (y, z, x) of the world of its calibration into the folder pose-3d of a trial. Readers of data sets
+// turn that world to (x, z, −y).
+bool is_of_pose2sim(const std::filesystem::path& file) {
+    std::error_code ignored;
+    return std::filesystem::absolute(file, ignored).parent_path().filename() == "pose-3d";
+}
+
+void turn_to_cameras(SkeletonClip& clip) {
+    for (Pose& pose : clip.frames)
+        for (JointSample& sample : pose) sample.position = {sample.position.z, sample.position.y, -sample.position.x};
+}
+
 struct TrcHeader {
     double fps = 0, unit_m = 1;
     std::vector<std::optional<size_t>> joints;  // by marker
@@ -68,7 +95,7 @@ TrcHeader read_header_lines(Words& words) {
     const auto fields = [&] {
         std::string line;
         if (!words.line(line)) words.fail("the file ends in its header", "write it again");
-        return split(line, '\t');
+        return fields_of(line);
     };
     TrcHeader header;
     if (!fields()[0].starts_with("PathFileType")) words.fail("does not begin with PathFileType", "give a TRC file");
@@ -120,7 +147,7 @@ FileMotion read_trc(const std::filesystem::path& file) {
     clip.fps = header.fps;
     std::string line;
     while (words.line(line)) {
-        const std::vector<std::string> fields = split(line, '\t');
+        const std::vector<std::string> fields = fields_of(line);
         if (fields.size() < 3) continue;
         if (clip.frames.size() == kMaxSkeletonFrames)
             words.fail(fmt::format("has more than {} frames", kMaxSkeletonFrames));
@@ -130,6 +157,11 @@ FileMotion read_trc(const std::filesystem::path& file) {
     if (!(body_height(bone_lengths(clip)) > 0))
         throw InputError(file.string(), "line 4", "has no leg and trunk among its markers",
                          "name markers as Pose2Sim does: Hip, Neck, RHip, RKnee, RAnkle, RShoulder");
+    if (is_of_pose2sim(file)) {
+        turn_to_cameras(clip);
+        clip.notes.push_back(
+            Note(file.string() + ": of Pose2Sim, by its folder pose-3d: turned to how its cameras stand"));
+    }
     return {std::move(clip), header.unit_m, false};
 }
 
