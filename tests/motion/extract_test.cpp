@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "motion/compare/compare.h"
 #include "motion/detector.h"
 #include "motion/video/triangulate.h"
@@ -38,6 +40,27 @@ TEST(Triangulate, FindsThePointThatViewsAgreeOn) {
     test::expect_near(found->position, point, 1e-9);
     EXPECT_EQ(found->views, 4u);
     EXPECT_EQ(found->agrees, (std::vector<bool>{true, false, true, true, false, true}));
+}
+
+// The point of two views errs more than that of all, from which no view is far.
+TEST(Triangulate, KeepsViewsThatAllOthersAgreeWith) {
+    constexpr double kTolerance_m = 0.03;
+    constexpr int kTrials = 300;
+    const auto cameras = test::cameras_around(truth(), 4);
+    const glm::dvec3 point(0.2, 1.1, -0.1);
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal(0, 0.5 * kTolerance_m);
+    int complete = 0;
+    for (int trial = 0; trial < kTrials; ++trial) {
+        std::vector<motion::KeyPoint> seen;
+        for (const stage::Camera& camera : cameras) {
+            const glm::dvec2 error = glm::dvec2(normal(random), normal(random));
+            seen.push_back({*motion::project(camera, point) + error / motion::metres_per_pixel(camera, point), 1});
+        }
+        const auto found = motion::triangulate(cameras, seen, kTolerance_m);
+        complete += found && found->views == cameras.size();
+    }
+    EXPECT_GT(complete, 0.85 * kTrials);
 }
 
 TEST(Triangulate, NeedsTwoViewsThatAgree) {

@@ -15,11 +15,10 @@ namespace neuvv::motion {
 
 namespace {
 
-constexpr double kTolerance = 0.03;     // of the body's height: key points further off contradict the other views
-constexpr double kSwapGain = 0.5;       // left and right are exchanged where that leaves less than this of the error
-constexpr double kGuess = 0.25;         // the confidence of joints that were interpolated
-constexpr int kSwapRounds = 3;          // until nothing changes, at most
-constexpr double kFirstHeight_m = 1.7;  // where the cameras do not say
+constexpr double kTolerance = 0.03;  // of the body's height: key points further off contradict the other views
+constexpr double kSwapGain = 0.5;    // left and right are exchanged where that leaves less than this of the error
+constexpr double kGuess = 0.25;      // the confidence of joints that were interpolated
+constexpr int kSwapRounds = 3;       // until nothing changes, at most
 
 // The right joints of arms and of legs, which a detector exchanges with the left ones together.
 constexpr std::array kArms = {Joint::kRightShoulder, Joint::kRightElbow, Joint::kRightWrist};
@@ -31,7 +30,7 @@ class Extractor {
     explicit Extractor(const Detections& detections) : seen_(detections) {}
 
     Extraction run(const ExtractOptions& options) {
-        height_ = guessed_height();
+        height_ = guessed_height(seen_.cameras, seen_.points);  // only for first tolerances
         triangulate_all();
         height_ = measured_height();
         for (int round = 0; round < kSwapRounds; ++round) {
@@ -48,26 +47,6 @@ class Extractor {
     }
 
   private:
-    // The median size of the person in the images, at the point that the cameras look at. Only first tolerances are
-    // made of it.
-    double guessed_height() const {
-        const std::optional<glm::dvec3> centre = point_looked_at(seen_.cameras);
-        if (!centre) return kFirstHeight_m;
-        std::vector<double> heights;
-        for (size_t f = 0; f < seen_.frames; ++f)
-            for (size_t c = 0; c < seen_.cameras.size(); ++c) {
-                double low = INFINITY, high = -INFINITY;
-                for (const KeyPoint& point : seen_.in(f, c)) {
-                    if (!(point.confidence > 0)) continue;
-                    low = std::min(low, point.pixel.y);
-                    high = std::max(high, point.pixel.y);
-                }
-                if (high > low) heights.push_back((high - low) * metres_per_pixel(seen_.cameras[c], *centre));
-            }
-        const double height = median(heights);
-        return height > 0 ? height : kFirstHeight_m;
-    }
-
     double measured_height() const {
         const double height = body_height(bone_lengths(clip_));
         if (!(height > 0))

@@ -1,6 +1,10 @@
 #include "motion/video/triangulate.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "motion/skeleton/median.h"
 
 namespace neuvv::motion {
 
@@ -57,59 +61,116 @@ std::optional<glm::dvec3> point_looked_at(std::span<const stage::Camera> cameras
     return cameras.empty() ? std::nullopt : nearest.point();
 }
 
-std::optional<Triangulated> triangulate(std::span<const stage::Camera> cameras, std::span<const KeyPoint> points,
-                                        double tolerance_m) {
-    std::vector<size_t> seen;
-    std::vector<Ray> rays(cameras.size());
-    for (size_t c = 0; c < cameras.size(); ++c) {
-        if (!(points[c].confidence > 0)) continue;
-        rays[c] = ray_through(cameras[c], points[c].pixel);
-        seen.push_back(c);
+double guessed_height(std::span<const stage::Camera> cameras, std::span<const KeyPoints> points) {
+    constexpr double kUsual_m = 1.7;
+    const std::optional<glm::dvec3> centre = point_looked_at(cameras);
+    if (!centre) return kUsual_m;
+    std::vector<double> heights;
+    for (size_t i = 0; i < points.size(); ++i) {
+        double low = INFINITY, high = -INFINITY;
+        for (const KeyPoint& point : points[i]) {
+            if (!(point.confidence > 0)) continue;
+            low = std::min(low, point.pixel.y);
+            high = std::max(high, point.pixel.y);
+        }
+        if (high > low) heights.push_back((high - low) * metres_per_pixel(cameras[i % cameras.size()], *centre));
     }
-    const auto error = [&](size_t camera, const glm::dvec3& point) {
-        const std::optional<glm::dvec2> shown = project(cameras[camera], point);
-        return shown ? glm::distance(*shown, points[camera].pixel) * metres_per_pixel(cameras[camera], point)
-                     : INFINITY;
-    };
+    const double height = median(heights);
+    return height > 0 ? height : kUsual_m;
+}
+
+namespace {
+
+// The views of one joint, and where they see it.
+class JointViews {
+  public:
+    JointViews(std::span<const stage::Camera> cameras, std::span<const KeyPoint> points, double tolerance_m)
+        : cameras_(cameras), points_(points), tolerance_m_(tolerance_m), rays_(cameras.size()) {
+        for (size_t c = 0; c < cameras.size(); ++c) {
+            if (!(points[c].confidence > 0)) continue;
+            rays_[c] = ray_through(cameras[c], points[c].pixel);
+            seen_.push_back(c);
+        }
+    }
+
+    const std::vector<size_t>& seen() const { return seen_; }
+
+    std::vector<size_t> agreeing_with(const glm::dvec3& point) const {
+        std::vector<size_t> views;
+        for (const size_t c : seen_)
+            if (error(c, point) < tolerance_m_) views.push_back(c);
+        return views;
+    }
+
     // How many views agree, then how well: the sum of 1 − (error/tolerance)² over them, weighted by confidence.
-    const auto agreement = [&](const glm::dvec3& point) {
+    std::pair<size_t, double> agreement(const glm::dvec3& point) const {
         std::pair<size_t, double> agree{0, 0};
-        for (const size_t c : seen) {
-            const double ratio = error(c, point) / tolerance_m;
+        for (const size_t c : seen_) {
+            const double ratio = error(c, point) / tolerance_m_;
             if (!(ratio < 1)) continue;
             ++agree.first;
-            agree.second += points[c].confidence * (1 - ratio * ratio);
+            agree.second += points_[c].confidence * (1 - ratio * ratio);
         }
         return agree;
-    };
+    }
+
+    // The point nearest to the rays, in metres, as detectors err by a share of the body and not by pixels.
+    std::optional<glm::dvec3> nearest(std::span<const size_t> views) const {
+        NearestPoint nearest;
+        for (const size_t c : views) nearest.add(rays_[c], points_[c].confidence);
+        return nearest.point();
+    }
+
+  private:
+    double error(size_t camera, const glm::dvec3& point) const {
+        const std::optional<glm::dvec2> shown = project(cameras_[camera], point);
+        return shown ? glm::distance(*shown, points_[camera].pixel) * metres_per_pixel(cameras_[camera], point)
+                     : INFINITY;
+    }
+
+    std::span<const stage::Camera> cameras_;
+    std::span<const KeyPoint> points_;
+    double tolerance_m_;
+    std::vector<Ray> rays_;
+    std::vector<size_t> seen_;
+};
+
+}  // namespace
+
+std::optional<Triangulated> triangulate(std::span<const stage::Camera> cameras, std::span<const KeyPoint> points,
+                                        double tolerance_m) {
+    const JointViews views(cameras, points, tolerance_m);
     std::optional<glm::dvec3> best;
     std::pair<size_t, double> best_agreement{1, INFINITY};  // of at least two
-    for (size_t i = 0; i < seen.size(); ++i) {
-        for (size_t j = i + 1; j < seen.size(); ++j) {
-            NearestPoint nearest;
-            nearest.add(rays[seen[i]], 1);
-            nearest.add(rays[seen[j]], 1);
-            const std::optional<glm::dvec3> point = nearest.point();
-            if (!point) continue;
-            if (const auto found = agreement(*point); found > best_agreement) best = point, best_agreement = found;
-        }
-    }
+    const auto consider = [&](std::span<const size_t> some) {
+        const std::optional<glm::dvec3> point = views.nearest(some);
+        if (!point) return false;
+        const auto found = views.agreement(*point);
+        if (!(found > best_agreement)) return false;
+        best = point, best_agreement = found;
+        return true;
+    };
+    const std::vector<size_t>& seen = views.seen();
+    if (seen.size() > 2) consider(seen);
+    for (size_t i = 0; i < seen.size(); ++i)
+        for (size_t j = i + 1; j < seen.size(); ++j) consider(std::array{seen[i], seen[j]});
     if (!best) return std::nullopt;
+    // The point of more views is a better one, with which others may agree, too.
+    constexpr int kRounds = 5;
+    for (int round = 0; round < kRounds && consider(views.agreeing_with(*best)); ++round) {
+    }
 
     Triangulated result;
     result.agrees.assign(cameras.size(), false);
-    NearestPoint nearest;
-    double weights = 0;
-    for (const size_t c : seen) {
-        if (!(error(c, *best) < tolerance_m)) continue;
+    const std::vector<size_t> agreeing = views.agreeing_with(*best);
+    double confidence = 0;
+    for (const size_t c : agreeing) {
         result.agrees[c] = true;
-        ++result.views;
-        const double scale = metres_per_pixel(cameras[c], *best);
-        nearest.add(rays[c], points[c].confidence / (scale * scale));
-        weights += points[c].confidence;
+        confidence += points[c].confidence;
     }
-    result.position = nearest.point().value_or(*best);
-    result.confidence = weights / static_cast<double>(result.views);
+    result.views = agreeing.size();
+    result.position = views.nearest(agreeing).value_or(*best);
+    result.confidence = confidence / static_cast<double>(result.views);
     return result;
 }
 

@@ -17,6 +17,10 @@ double metres_per_pixel(const stage::Camera& camera, const glm::dvec3& point);
 // The point nearest to the cameras' optical axes: what they look at. nullopt where the axes are parallel.
 std::optional<glm::dvec3> point_looked_at(std::span<const stage::Camera> cameras);
 
+// The median size of a body in the images, at the point that the cameras look at; an adult's where they look at none.
+// `points`: frames × cameras.
+double guessed_height(std::span<const stage::Camera> cameras, std::span<const KeyPoints> points);
+
 struct Triangulated {
     glm::dvec3 position{0};
     std::vector<bool> agrees;  // by camera: the key point is nearer than the tolerance
