@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <thread>
 
 #include "base/error.h"
+#include "motion/skeleton/median.h"
 #include "motion/video/triangulate.h"
 
 namespace neuvv::motion {
@@ -14,11 +16,31 @@ namespace neuvv::motion {
 namespace {
 
 constexpr double kPointError = 0.01;  // of the body's height: what detectors reach
-constexpr double kHuber = 2;          // in such errors: beyond it a key point pulls no harder
+constexpr double kLeastError = 0.001;
+constexpr double kHuber = 0.02;       // of the height: a key point further off pulls no harder
 constexpr double kBoneError = 0.004;  // of the height: limbs
 constexpr double kTrunkError = 0.03;  // of the height: bones across joints that shift and bend
 constexpr double kAcceleration = 15;  // metres a second²: usual in a dance
+// Frames a second for which these two hold. What they say of a motion counts by its seconds, so that each of more
+// frames says less.
+constexpr double kUsualRate = 25;
 constexpr int kMaxIterations = 50;
+
+// The deviation of the noise in a series that is otherwise smooth: by fourth differences, which a moving body hardly
+// has but independent errors have √70-fold. Adds the absolute differences of the values to a list; NaN: not known.
+void add_differences(const std::vector<double>& values, std::vector<double>& differences) {
+    for (size_t i = 4; i < values.size(); ++i) {
+        const double* v = &values[i - 4];
+        const double difference = v[0] - 4 * v[1] + 6 * v[2] - 4 * v[3] + v[4];
+        if (std::isfinite(difference)) differences.push_back(std::abs(difference));
+    }
+}
+
+constexpr double kMedianOfNormal = 0.6745;  // of absolute values, in deviations
+
+double noise_of(std::vector<double>& differences) {
+    return median(differences) / (kMedianOfNormal * std::sqrt(70.0));
+}
 
 // The image of a joint against a key point.
 struct ReprojectionResidual {
@@ -75,8 +97,29 @@ struct BundleProblem {
     std::array<double, kJoints> lengths;
 };
 
+// By how much the key points err from frame to frame, metres at the joint: only such errors can be smoothed away.
+double point_noise(const Detections& detections, const UsedPoints& used, double height_m, const SkeletonClip& clip) {
+    constexpr size_t kEnough = 100;
+    std::vector<double> differences, values(clip.frames.size());
+    for (size_t c = 0; c < detections.cameras.size(); ++c)
+        for (size_t j = 0; j < kJoints; ++j)
+            for (int axis = 0; axis < 2; ++axis) {
+                for (size_t f = 0; f < clip.frames.size(); ++f) {
+                    const KeyPoint& point = detections.in(f, c)[j];
+                    const double scale = metres_per_pixel(detections.cameras[c], clip.frames[f][j].position);
+                    values[f] = used[f * detections.cameras.size() + c][j]
+                                    ? point.pixel[axis] * scale * std::sqrt(point.confidence)
+                                    : NAN;
+                }
+                add_differences(values, differences);
+            }
+    const double usual = kPointError * height_m;
+    return differences.size() < kEnough ? usual : std::clamp(noise_of(differences), kLeastError * height_m, usual);
+}
+
 void add_reprojections(BundleProblem& bundle, const Detections& detections, const UsedPoints& used, double height_m,
                        SkeletonClip& clip) {
+    const double noise = point_noise(detections, used, height_m, clip);
     for (size_t f = 0; f < clip.frames.size(); ++f) {
         for (size_t c = 0; c < detections.cameras.size(); ++c) {
             const size_t image = f * detections.cameras.size() + c;
@@ -85,21 +128,44 @@ void add_reprojections(BundleProblem& bundle, const Detections& detections, cons
                 const stage::Camera& camera = detections.cameras[c];
                 const KeyPoint& point = detections.points[image][j];
                 glm::dvec3& position = clip.frames[f][j].position;
-                const double scale = metres_per_pixel(camera, position) / (kPointError * height_m);
+                const double scale = metres_per_pixel(camera, position) / noise;
                 bundle.problem.AddResidualBlock(
                     new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 3>(
                         new ReprojectionResidual{camera, point.pixel, scale * std::sqrt(point.confidence)}),
-                    new ceres::HuberLoss(kHuber), &position[0]);
+                    new ceres::HuberLoss(kHuber * height_m / noise), &position[0]);
             }
         }
     }
+}
+
+// How much the length of the bone to a joint varies beyond noise, metres: detectors see joints elsewhere in other
+// postures and from other sides, and calibrations err.
+double length_variation(size_t joint, const SkeletonClip& clip) {
+    const size_t parent = index_of(info_of(joint_at(joint)).parent);
+    std::vector<double> lengths(clip.frames.size(), NAN), differences, known;
+    for (size_t f = 0; f < clip.frames.size(); ++f) {
+        const JointSample &from = clip.frames[f][parent], &to = clip.frames[f][joint];
+        if (!from.measured || !to.measured) continue;
+        lengths[f] = glm::distance(from.position, to.position);
+        known.push_back(lengths[f]);
+    }
+    add_differences(lengths, differences);
+    const double usual = median(known);
+    for (double& length : known) length = std::abs(length - usual);
+    const double spread = median(known) / kMedianOfNormal, noise = noise_of(differences);
+    return std::sqrt(std::max(0.0, spread * spread - noise * noise));
+}
+
+double share_of_frame(const SkeletonClip& clip) {
+    return std::sqrt(kUsualRate / clip.fps);
 }
 
 void add_bones(BundleProblem& bundle, double height_m, SkeletonClip& clip) {
     for (size_t j = 1; j < kJoints; ++j) {
         const size_t parent = index_of(info_of(joint_at(j)).parent);
         if (!(bundle.lengths[j] > 0)) continue;
-        const double scale = 1 / ((is_rigid(j) ? kBoneError : kTrunkError) * height_m);
+        const double error = (is_rigid(j) ? kBoneError : kTrunkError) * height_m;
+        const double scale = share_of_frame(clip) / std::hypot(error, length_variation(j, clip));
         for (Pose& pose : clip.frames)
             bundle.problem.AddResidualBlock(
                 new ceres::AutoDiffCostFunction<BoneResidual, 1, 3, 3, 1>(new BoneResidual{scale}), nullptr,
@@ -108,7 +174,7 @@ void add_bones(BundleProblem& bundle, double height_m, SkeletonClip& clip) {
 }
 
 void add_accelerations(BundleProblem& bundle, const std::array<double, kJoints>& known, SkeletonClip& clip) {
-    const double scale = clip.fps * clip.fps / kAcceleration;
+    const double scale = share_of_frame(clip) * clip.fps * clip.fps / kAcceleration;
     for (size_t j = 0; j < kJoints; ++j) {
         if (!(known[j] > 0)) continue;
         for (size_t f = 1; f + 1 < clip.frames.size(); ++f)

@@ -10,11 +10,12 @@
 namespace neuvv::motion {
 
 // Moves the joints of `clip` to the least sum of
-//   - reprojection: the distance between each key point and its joint's image, in metres at the joint, over 1 % of the
-//     body's height, weighted by confidence, with a Huber loss, as detectors err far at times;
-//   - bones: the difference of each bone from its length, which is one unknown for the clip; the trunk, whose spine
-//     bends, is softer;
-//   - acceleration: the second difference of each joint over what a body reaches.
+//   - reprojection: the distance between each key point and its joint's image, in metres at the joint, over the noise
+//     that key points have from frame to frame, weighted by confidence, with a Huber loss, as detectors err far at
+//     times;
+//   - bones: the difference of each bone from its length, which is one unknown for the clip, over how much it varies in
+//     `clip`; the trunk, whose spine bends, is softer;
+//   - acceleration: the second difference of each joint over what a body reaches. It and bones count by the second.
 // `used` has the key points' flags in the order of `detections.points`, by joint: key points that are swapped,
 // contradicted or missing are left out. Joints that no view shows follow their bones and their own motion.
 // Joints with confidence 0 in all frames stay as they are. Throws RuntimeFailure where the solver fails.
