@@ -130,9 +130,9 @@ motion::SkeletonClip read_motion(const fs::path& file) {
     const motion::KeyPointLayout* const layout = motion::layout_of(read.images);
     if (!layout) return clip;
     const motion::ImagePeople& image =
-        *std::ranges::find_if(read.images, [](auto& one) { return !one.points.empty(); });
-    if (image.points.size() != layout->points) return clip;
-    const motion::KeyPoints joints = motion::joints_of(image.points, *layout);
+        *std::ranges::find_if(read.images, [](auto& one) { return !one.people.empty(); });
+    if (image.people[0].size() != layout->points) return clip;
+    const motion::KeyPoints joints = motion::joints_of(image.people[0], *layout);
     for (size_t j = 0; j < motion::kJoints; ++j) clip.frames[0][j] = {{joints[j].pixel, 0}, joints[j].confidence, true};
     return clip;
 }

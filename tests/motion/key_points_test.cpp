@@ -13,9 +13,17 @@ namespace {
 
 using motion::Joint;
 
+// Joints in a row, but with pelvis and neck where a body has them, by which BODY_25 is told.
 motion::KeyPoints some_points(double shift) {
     motion::KeyPoints points;
     for (size_t j = 0; j < motion::kJoints; ++j) points[j] = {{10.5 * double(j) + shift, 7}, 0.5};
+    const auto set_between = [&](Joint middle, Joint right, Joint left) {
+        points[motion::index_of(middle)].pixel =
+            0.5 * (points[motion::index_of(right)].pixel + points[motion::index_of(left)].pixel);
+    };
+    set_between(Joint::kPelvis, Joint::kRightHip, Joint::kLeftHip);
+    set_between(Joint::kNeck, Joint::kRightShoulder, Joint::kLeftShoulder);
+    points[motion::index_of(Joint::kNose)].pixel.y = 60;
     return points;
 }
 
@@ -55,15 +63,16 @@ TEST(KeyPoints, AreReadFromAFolderForEachCamera) {
     for (const char* name : {"000000", "000001", "000002"})
         motion::write_key_points(test.folder.path / "c01_json" / (std::string(name) + ".json"), some_points(name[5]));
     test.read();
-    EXPECT_EQ(test.detections.in(2, 1)[0].pixel.x, '2');
+    const auto shift_of = [&](size_t frame) { return test.detections.in(frame, 1)[2].pixel.x - 21; };
+    EXPECT_EQ(shift_of(2), '2');
     // Names are in the order of their numbers.
     for (const char* name : {"000001", "000002"})
         std::filesystem::remove(test.folder.path / "c01_json" / (std::string(name) + ".json"));
     motion::write_key_points(test.folder.path / "c01_json" / "f9.json", some_points('9'));
     motion::write_key_points(test.folder.path / "c01_json" / "f10.json", some_points('1'));
     test.read();
-    EXPECT_EQ(test.detections.in(1, 1)[0].pixel.x, '9');
-    EXPECT_EQ(test.detections.in(2, 1)[0].pixel.x, '1');
+    EXPECT_EQ(shift_of(1), '9');
+    EXPECT_EQ(shift_of(2), '1');
     motion::write_key_points(test.folder.path / "c01_json" / "000003.json", some_points(0));
     expect_input_error([&] { test.read(); }, {"c01_json", "has 4 frames, but the camera has 3"});
     std::filesystem::remove(test.folder.path / "c01_json" / "000003.json");
@@ -216,6 +225,77 @@ TEST(KeyPoints, OfBody25BAreTold) {
     EXPECT_LT(wrong, 10u);
 }
 
+std::string person(size_t points, double confidence) {
+    std::string list;
+    for (size_t i = 0; i < points; ++i) list += fmt::format("{}{}, {}, {}", i ? ", " : "", i, 2 * i, confidence);
+    return "{\"pose_keypoints_2d\": [" + list + "]}";
+}
+
+// A set of a person who stands; each joint in its place and all other key points far away.
+std::string standing(const motion::KeyPointLayout& layout) {
+    const motion::Pose pose = test::performer_motion(1).frames[0];
+    std::vector<glm::dvec2> places(layout.points, glm::dvec2(900, 900));
+    for (size_t j = 0; j < motion::kJoints; ++j)
+        for (const int source : layout.sources[j])
+            if (source >= 0 && layout.sources[j][0] == layout.sources[j][1])
+                places[size_t(source)] = {300 * pose[j].position.x, -300 * pose[j].position.y};
+    std::string list;
+    for (const glm::dvec2& place : places)
+        list += fmt::format("{}{}, {}, 0.5", list.empty() ? "" : ", ", place.x, place.y);
+    return "{\"people\": [{\"pose_keypoints_2d\": [" + list + "]}]}";
+}
+
+// The orders that their authors publish; Pose2Sim's skeletons.py has them all.
+TEST(KeyPoints, OfEachSetAreInTheirAuthorsOrder) {
+    struct Published {
+        const char* name;
+        size_t points;
+        std::array<int, 6> right_left;  // right shoulder, left wrist, right hip, left ankle, right big toe, left heel
+    };
+    constexpr Published kPublished[] = {
+        {"COCO_17", 17, {6, 9, 12, 15, -1, -1}},        {"BODY_25", 25, {2, 7, 9, 14, 22, 21}},
+        {"BODY_25B", 25, {6, 9, 12, 15, 22, 21}},       {"HALPE_26", 26, {6, 9, 12, 15, 21, 24}},
+        {"HALPE_68", 68, {6, 9, 12, 15, 21, 24}},       {"HALPE_136", 136, {6, 9, 12, 15, 21, 24}},
+        {"COCO_133", 133, {6, 9, 12, 15, 20, 19}},      {"COCO-WholeBody", 133, {6, 9, 12, 15, 20, 19}},
+        {"BODY_135", 135, {6, 9, 12, 15, 22, 21}},      {"BLAZEPOSE", 33, {12, 15, 24, 27, 32, 29}},
+        {"MediaPipe-33", 33, {12, 15, 24, 27, 32, 29}}, {"COCO", 18, {2, 7, 8, 13, -1, -1}}};
+    constexpr Joint kOrder[] = {Joint::kRightShoulder, Joint::kLeftWrist,   Joint::kRightHip,
+                                Joint::kLeftAnkle,     Joint::kRightBigToe, Joint::kLeftHeel};
+    for (const auto& [name, points, numbers] : kPublished) {
+        const motion::KeyPointLayout* layout = motion::find_key_point_layout(std::string_view(name));
+        ASSERT_NE(layout, nullptr) << name;
+        EXPECT_EQ(layout->points, points) << name;
+        for (size_t i = 0; i < numbers.size(); ++i)
+            EXPECT_EQ(layout->sources[motion::index_of(kOrder[i])][0], numbers[i]) << name << i;
+    }
+    EXPECT_EQ(motion::find_key_point_layout(std::string_view("COCO-18")), nullptr);
+    EXPECT_EQ(motion::find_key_point_layout(std::string_view("")), nullptr);
+}
+
+TEST(KeyPoints, OfTwoSetsOfOneSizeAreToldOrMustBeNamed) {
+    DetectionFolder test;
+    const auto read_knee = [&](const motion::KeyPointLayout* named) {
+        motion::read_detections(test.folder.path, test.images, test.detections, named);
+        return test.detections.in(0, 0)[motion::index_of(Joint::kRightKnee)].pixel;
+    };
+    const auto path = test.folder.path / "c00_f000.json";
+    const motion::KeyPointLayout* const body_25 = motion::find_key_point_layout(25);
+    const motion::KeyPointLayout* const body_25b = motion::find_key_point_layout(std::string_view("BODY_25B"));
+    write_text(path, standing(*body_25));
+    const glm::dvec2 knee = read_knee(body_25);
+    EXPECT_EQ(read_knee(nullptr), knee);
+    EXPECT_NE(read_knee(body_25b), knee);
+    // All in one place: both would do.
+    write_text(path, "{\"people\": [" + person(25, 1) + "]}");
+    expect_input_error([&] { read_knee(nullptr); }, {"25 key points", "BODY_25 or BODY_25B", "name the set"});
+    EXPECT_EQ(read_knee(body_25b), glm::dvec2(14, 28));
+    const motion::ImagePeople of_other_sets[] = {{"a", {std::vector<motion::KeyPoint>(25)}},
+                                                 {"b", {std::vector<motion::KeyPoint>(17, {{1, 2}, 1})}}};
+    EXPECT_EQ(motion::layout_of(of_other_sets), nullptr);
+    expect_input_error([&] { read_knee(motion::find_key_point_layout(26)); },
+                       {"c00_f000.json", "25 key points", "26 of HALPE-26"});
+}
+
 TEST(KeyPoints, OfImagesWithOneNameNeedFolders) {
     DetectionFolder test;
     for (motion::WantedImage& image : test.images) image.image = "0001";
@@ -223,18 +303,12 @@ TEST(KeyPoints, OfImagesWithOneNameNeedFolders) {
     expect_input_error([&] { test.read(); }, {"several cameras", "0001", "folder for each camera"});
 }
 
-std::string person(size_t points, double confidence) {
-    std::string list;
-    for (size_t i = 0; i < points; ++i) list += fmt::format("{}{}, {}, {}", i ? ", " : "", i, 2 * i, confidence);
-    return "{\"pose_keypoints_2d\": [" + list + "]}";
-}
-
 TEST(KeyPoints, OfTheMostConfidentPersonCount) {
     DetectionFolder test;
     const auto path = test.folder.path / "c00_f000.json";
     write_text(path, "{\"people\": [" + person(17, 0.25) + "," + person(17, 0.75) + "," + person(17, 0.5) + "]}");
     test.read();
-    EXPECT_EQ(test.detections.images_with_others, 1u);
+    EXPECT_EQ(test.detections.people[0].size(), 3u);
     const motion::KeyPoints& found = test.detections.in(0, 0);
     EXPECT_EQ(found[motion::index_of(Joint::kLeftWrist)].pixel, glm::dvec2(9, 18));
     EXPECT_EQ(found[motion::index_of(Joint::kLeftWrist)].confidence, 0.75);

@@ -27,8 +27,8 @@ namespace {
 constexpr const char* kExtractFooter = R"(
 Key points are one JSON an image, {"people": [{"pose_keypoints_2d": [x, y, confidence, ...]}]}: what OpenPose writes
 with `--image_dir DIR/images --write_json DIR/key_points`, and Pose2Sim into a folder for each camera. MMPose's and
-AlphaPose's JSON of an image, or of all, are read, too. The sets are COCO-17, BODY_25 and 25B, HALPE-26, MediaPipe-33,
-OpenPose-18, COCO-133 and HALPE-136. Files belong to the images of their names or numbers: an image without a file
+AlphaPose's JSON of an image, or of all, are read, too. The sets are COCO-17, BODY_25 and 25B, HALPE-26, 68 and 136,
+COCO-133, BODY_135, MediaPipe-33 and OpenPose-18. Files belong to the images of their names or numbers: an image without a file
 shows nobody. DIR may also be a captured data set; key points are those of its images, before lenses are corrected.
 
 --model runs a detector here and writes such files: an ONNX network that takes an image of one person, as HRNet,
@@ -41,7 +41,7 @@ Examples:
   neuvv skeleton extract work/views --key-points work/views/pose -o work/performer.skeleton.glb)";
 
 struct ExtractOptions {
-    std::string folder, key_points, model, output, pixels = "imagenet";
+    std::string folder, key_points, set, model, output, pixels = "imagenet";
     bool each_frame = false;
 };
 
@@ -119,8 +119,8 @@ void print_quality(const motion::Extraction& found, const motion::Detections& se
         quality.height_m, quality.swapped,
         100.0 * static_cast<double>(quality.outliers) / static_cast<double>(std::max<size_t>(quality.key_points, 1)),
         quality.key_points);
-    if (seen.images_with_others > 0)
-        tell("{} images show several people: the most confident one of each counted\n", seen.images_with_others);
+    if (const auto several = std::ranges::count_if(seen.people, [](const auto& people) { return people.size() > 1; }))
+        tell("{} images show several people: the most confident one of each counted\n", several);
 }
 
 motion::PixelScale pixel_scale(const std::string& name) {
@@ -182,15 +182,25 @@ std::filesystem::path default_folder(const ExtractOptions& options) {
     return folder / (is_pose2sim ? "pose" : "key_points");
 }
 
+// The set that the user names; null: none.
+const motion::KeyPointLayout* named_set(const ExtractOptions& options) {
+    if (options.set.empty()) return nullptr;
+    const motion::KeyPointLayout* layout = motion::find_key_point_layout(std::string_view(options.set));
+    if (!layout)
+        throw InputError("--set", options.set, "is no set of key points", "name one of " + motion::key_point_layouts());
+    return layout;
+}
+
 void run_extract(const ExtractOptions& options) {
     prepare_result("--output", options.output, {".glb"});
     motion::Detections seen;
+    const motion::KeyPointLayout* const set = named_set(options);
     const std::vector<training::Rig> splits = read_splits(options.folder);
     const std::vector<motion::WantedImage> images = wanted_images(splits, seen);
     std::filesystem::path folder = options.key_points;
     if (folder.empty()) folder = default_folder(options);
     if (!options.model.empty()) write_detections(options, splits, images, folder);
-    motion::read_detections(folder, images, seen);
+    motion::read_detections(folder, images, seen, set);
     for (const std::string& note : seen.notes) say("{}\n", note);
     undistort_key_points(splits, seen);
     say("{} frames from {} views\n", seen.frames, seen.cameras.size());
@@ -217,6 +227,8 @@ void add_skeleton_extract(Command group) {
         .one_of({"imagenet", "unit", "bytes"})
         .show_default()
         .needs(model);
+    verb.add_option("--set", options->set,
+                    "the detector's set of key points; default: by how many there are, and where");
     verb.add_flag("--each-frame", options->each_frame, "triangulate each frame by itself, without the fit over time");
     verb.footer({kExtractFooter});
     verb.callback([options] { run_extract(*options); });

@@ -39,34 +39,44 @@ constexpr std::array<int, 2> from(int point) {
     return {point, point};
 }
 
-// Sources in the order of Joint: pelvis, neck, nose; right and left arm; right and left leg.
+// Sources in the order of Joint: pelvis, neck, nose; right and left arm; right and left leg. The larger sets of HALPE,
+// and BODY_135, begin with the points of the smaller.
+using Sources = std::array<std::array<int, 2>, kJoints>;
+constexpr Sources kHalpe = {{from(19), from(18), from(0),  from(6),  from(8),  from(10), from(5),
+                             from(7),  from(9),  from(12), from(14), from(16), from(25), from(21),
+                             from(23), from(11), from(13), from(15), from(24), from(20), from(22)}};
+constexpr Sources kBody25b = {{{11, 12}, {5, 6},   from(0),  from(6),  from(8),  from(10), from(5),
+                               from(7),  from(9),  from(12), from(14), from(16), from(24), from(22),
+                               from(23), from(11), from(13), from(15), from(21), from(19), from(20)}};
 constexpr KeyPointLayout kLayouts[] = {
-    {"COCO-17", 17, {{{11, 12}, {5, 6},   from(0),  from(6),  from(8),  from(10), from(5),
-                      from(7),  from(9),  from(12), from(14), from(16), kLacking, kLacking,
-                      kLacking, from(11), from(13), from(15), kLacking, kLacking, kLacking}}},
-    {"BODY_25", 25, {{from(8),  from(1),  from(0),  from(2),  from(3),  from(4),  from(5),
-                      from(6),  from(7),  from(9),  from(10), from(11), from(24), from(22),
-                      from(23), from(12), from(13), from(14), from(21), from(19), from(20)}}},
-    {"HALPE-26", 26, {{from(19), from(18), from(0),  from(6),  from(8),  from(10), from(5),
-                       from(7),  from(9),  from(12), from(14), from(16), from(25), from(21),
-                       from(23), from(11), from(13), from(15), from(24), from(20), from(22)}}},
-    {"MediaPipe-33", 33, {{{23, 24}, {11, 12}, from(0),  from(12), from(14), from(16), from(11),
-                           from(13), from(15), from(24), from(26), from(28), from(30), from(32),
-                           kLacking, from(23), from(25), from(27), from(29), from(31), kLacking}}},
-    {"OpenPose-18", 18, {{{8, 11},  from(1),  from(0),  from(2),  from(3),  from(4),  from(5),
-                          from(6),  from(7),  from(8),  from(9),  from(10), kLacking, kLacking,
-                          kLacking, from(11), from(12), from(13), kLacking, kLacking, kLacking}}},
-    {"COCO-133", 133, {{{11, 12}, {5, 6},   from(0),  from(6),  from(8),  from(10), from(5),
-                        from(7),  from(9),  from(12), from(14), from(16), from(22), from(20),
-                        from(21), from(11), from(13), from(15), from(19), from(17), from(18)}}},
-    {"HALPE-136", 136, {{from(19), from(18), from(0),  from(6),  from(8),  from(10), from(5),
-                         from(7),  from(9),  from(12), from(14), from(16), from(25), from(21),
-                         from(23), from(11), from(13), from(15), from(24), from(20), from(22)}}},
+    {"COCO-17", "BODY", 17, {{{11, 12}, {5, 6},   from(0),  from(6),  from(8),  from(10), from(5),
+                              from(7),  from(9),  from(12), from(14), from(16), kLacking, kLacking,
+                              kLacking, from(11), from(13), from(15), kLacking, kLacking, kLacking}}},
+    {"BODY_25", "", 25, {{from(8),  from(1),  from(0),  from(2),  from(3),  from(4),  from(5),
+                          from(6),  from(7),  from(9),  from(10), from(11), from(24), from(22),
+                          from(23), from(12), from(13), from(14), from(21), from(19), from(20)}}},
+    {"HALPE-26", "BODY_WITH_FEET", 26, kHalpe},
+    {"MediaPipe-33", "BLAZEPOSE", 33, {{{23, 24}, {11, 12}, from(0),  from(12), from(14), from(16), from(11),
+                                        from(13), from(15), from(24), from(26), from(28), from(30), from(32),
+                                        kLacking, from(23), from(25), from(27), from(29), from(31), kLacking}}},
+    {"OpenPose-18", "COCO", 18, {{{8, 11},  from(1),  from(0),  from(2),  from(3),  from(4),  from(5),
+                                  from(6),  from(7),  from(8),  from(9),  from(10), kLacking, kLacking,
+                                  kLacking, from(11), from(12), from(13), kLacking, kLacking, kLacking}}},
+    {"COCO-133", "COCO-WholeBody", 133, {{{11, 12}, {5, 6},   from(0),  from(6),  from(8),  from(10), from(5),
+                                          from(7),  from(9),  from(12), from(14), from(16), from(22), from(20),
+                                          from(21), from(11), from(13), from(15), from(19), from(17), from(18)}}},
+    {"HALPE-136", "", 136, kHalpe},
+    {"HALPE-68", "", 68, kHalpe},
+    {"BODY_25B", "", 25, kBody25b},
+    {"BODY_135", "", 135, kBody25b},
 };
-constexpr KeyPointLayout kBody25b = {
-    "BODY_25B", 25, {{{11, 12}, {5, 6},   from(0),  from(6),  from(8),  from(10), from(5),
-                      from(7),  from(9),  from(12), from(14), from(16), from(24), from(22),
-                      from(23), from(11), from(13), from(15), from(21), from(19), from(20)}}};
+
+std::string plain(std::string_view name) {
+    std::string result;
+    for (const char c : name)
+        if (c != '-' && c != '_') result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return result;
+}
 
 }  // namespace
 
@@ -80,14 +90,17 @@ const KeyPointLayout* find_key_point_layout(size_t points) {
     return nullptr;
 }
 
-const KeyPointLayout& body_25b() {
-    return kBody25b;
+const KeyPointLayout* find_key_point_layout(std::string_view name) {
+    for (const KeyPointLayout& layout : kLayouts)
+        if (plain(layout.name) == plain(name) || (!name.empty() && plain(layout.other_name) == plain(name)))
+            return &layout;
+    return nullptr;
 }
 
 std::string key_point_layouts() {
     std::string text;
     for (const KeyPointLayout& layout : kLayouts) text += fmt::format("{}{}", text.empty() ? "" : ", ", layout.name);
-    return text + ", " + kBody25b.name;
+    return text;
 }
 
 }  // namespace neuvv::motion

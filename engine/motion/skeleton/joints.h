@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace neuvv::motion {
 
@@ -62,15 +63,16 @@ constexpr Joint joint_at(size_t index) {
 // The key points of a detector, by their numbers in its files.
 struct KeyPointLayout {
     const char* name;
+    const char* other_name;  // in other programs
     size_t points;
     // The key points whose mean is the joint; {n, n}: the key point itself; {−1, −1}: the layout lacks the joint.
     std::array<std::array<int, 2>, kJoints> sources;
 };
 
-// Layouts are told apart by how many points a person has; 25 points count as BODY_25. Returns null for another number.
+// The first layout with so many points, which is BODY_25 for 25; null where there is none.
 const KeyPointLayout* find_key_point_layout(size_t points);
-// OpenPose's other set of 25 points.
-const KeyPointLayout& body_25b();
+// The layout of this name, whatever its letters and dashes: "COCO-17", "coco_17"; null where there is none.
+const KeyPointLayout* find_key_point_layout(std::string_view name);
 // The names of all layouts, for messages: "COCO-17, BODY_25, ...".
 std::string key_point_layouts();
 

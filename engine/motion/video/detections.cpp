@@ -261,7 +261,40 @@ class Matcher {
 
 }  // namespace
 
-void read_detections(const std::filesystem::path& folder, std::span<const WantedImage> images, Detections& detections) {
+namespace {
+
+// The layout of what was seen, which is of one detector.
+const KeyPointLayout& expect_one_layout(const std::filesystem::path& folder, std::span<const Seen* const> found,
+                                        const KeyPointLayout* named) {
+    std::vector<ImagePeople> people;
+    for (const Seen* seen : found) {
+        if (!seen || seen->people.people.empty()) continue;
+        people.push_back(seen->people);
+        const size_t points = seen->people.people[0].size(), others = people[0].people[0].size();
+        if (points != others)
+            throw InputError(seen->file.string(), "",
+                             fmt::format("is of the set {}, others are of {}", find_key_point_layout(points)->name,
+                                         find_key_point_layout(others)->name),
+                             "use one detector for all images");
+        if (named && points != named->points)
+            throw InputError(seen->file.string(), "",
+                             fmt::format("has {} key points, not the {} of {}", points, named->points, named->name),
+                             "name the set that the detector has");
+    }
+    if (people.empty())
+        throw InputError(folder.string(), "", "has no key points of these images",
+                         "name files like the images: c00_f000_keypoints.json");
+    const KeyPointLayout* layout = named ? named : layout_of(people);
+    if (!layout)
+        throw InputError(folder.string(), "", "has 25 key points a person, which may be BODY_25 or BODY_25B",
+                         "name the set of the detector");
+    return *layout;
+}
+
+}  // namespace
+
+void read_detections(const std::filesystem::path& folder, std::span<const WantedImage> images, Detections& detections,
+                     const KeyPointLayout* layout) {
     std::error_code ignored;
     if (!std::filesystem::is_directory(folder, ignored))
         throw InputError(folder.string(), "", "is no folder of key points",
@@ -270,34 +303,18 @@ void read_detections(const std::filesystem::path& folder, std::span<const Wanted
     Matcher matcher(images, flat ? flat_groups(folder, images) : camera_groups(folder, images, detections.notes),
                     detections.notes);
     const std::vector<const Seen*> found = matcher.match();
+    layout = &expect_one_layout(folder, found, layout);
     detections.points.assign(detections.frames * detections.cameras.size(), {});
-    std::vector<ImagePeople> people;
-    size_t without = 0;
-    const Seen* first = nullptr;
-    for (const Seen* seen : found) {
-        without += !seen;
-        if (!seen || seen->people.points.empty()) continue;
-        if (!first) first = seen;
-        people.push_back(seen->people);
-        if (seen->people.points.size() != first->people.points.size())
-            throw InputError(seen->file.string(), "",
-                             fmt::format("is of the set {}, others are of {}",
-                                         find_key_point_layout(seen->people.points.size())->name,
-                                         find_key_point_layout(first->people.points.size())->name),
-                             "use one detector for all images");
-    }
-    const KeyPointLayout* layout = layout_of(people);
-    if (!layout)
-        throw InputError(folder.string(), "", "has no key points of these images",
-                         "name files like the images: c00_f000_keypoints.json");
+    detections.people.assign(detections.points.size(), {});
     for (size_t i = 0; i < images.size(); ++i) {
         if (!found[i]) continue;
-        detections.images_with_others += found[i]->people.people > 1;
-        if (!found[i]->people.points.empty())
-            detections.in(images[i].frame, images[i].camera_index) = joints_of(found[i]->people.points, *layout);
+        const size_t at = images[i].frame * detections.cameras.size() + images[i].camera_index;
+        for (const std::vector<KeyPoint>& person : found[i]->people.people)
+            detections.people[at].push_back(joints_of(person, *layout));
+        if (!detections.people[at].empty()) detections.points[at] = detections.people[at][0];
     }
     for (size_t j = 0; j < kJoints; ++j) detections.lacking[j] = layout->sources[j][0] < 0;
-    if (without > 0)
+    if (const auto without = std::ranges::count(found, nullptr); without > 0)
         detections.notes.push_back(
             fmt::format("{} of {} images have no key points' file: they count as images in which nobody was seen",
                         without, images.size()));

@@ -66,20 +66,26 @@ double confidence_of(const std::vector<KeyPoint>& points) {
     return sum;
 }
 
-// Adds a person to an image, whose most confident one counts. Some detectors leave empty lists where nobody was seen.
+// Adds a person to an image, where the most confident one stands first. Some detectors leave empty lists where nobody
+// was seen.
 void add_person(const JsonNode& node, ImagePeople& image) {
     std::vector<KeyPoint> points = read_person(node);
     if (points.empty()) return;
-    if (++image.people > kMaxPeople) node.fail("is beyond 1000 people");
+    if (image.people.size() == kMaxPeople) node.fail("is beyond 1000 people");
     if (!find_key_point_layout(points.size()))
         node.fail(fmt::format("has {} key points", points.size()),
                   "use a detector of one of these sets: " + key_point_layouts());
-    if (image.points.empty() || confidence_of(points) > confidence_of(image.points)) image.points = std::move(points);
+    if (!image.people.empty() && image.people[0].size() != points.size())
+        node.fail(fmt::format("has {} key points, the person before it {}", points.size(), image.people[0].size()),
+                  "use one detector");
+    const auto less_sure = std::ranges::find_if(
+        image.people, [sure = confidence_of(points)](const auto& other) { return confidence_of(other) < sure; });
+    image.people.insert(less_sure, std::move(points));
 }
 
 ImagePeople people_of(const JsonNode& list, std::string name) {
     if (!list.value.is_array()) list.fail_type("a list");
-    ImagePeople image{std::move(name), {}, 0};
+    ImagePeople image{std::move(name), {}};
     for (size_t i = 0; i < list.value.size(); ++i) add_person(list[i], image);
     return image;
 }
@@ -105,7 +111,7 @@ std::vector<ImagePeople> people_by_image(const JsonNode& list) {
                                      ? std::filesystem::path(id.value.get<std::string>()).stem().string()
                                      : std::to_string(id.value.get<uint64_t>());
         // People of one image stand together.
-        if (images.empty() || images.back().image != name) images.push_back({name, {}, 0});
+        if (images.empty() || images.back().image != name) images.push_back({name, {}});
         add_person(list[i], images.back());
     }
     return images;
@@ -134,19 +140,35 @@ std::optional<double> off_centre(const std::vector<KeyPoint>& points, size_t cen
     return glm::distance(points[centre].pixel, 0.5 * (points[one].pixel + points[other].pixel)) / size;
 }
 
-// BODY_25 and BODY_25B have 25 points each. In the former the pelvis is the centre of the hips, which in the latter is
-// an elbow between a wrist and a hip; there, the nose is between eyes and ears, and the neck between the shoulders.
-bool is_body_25b(std::span<const ImagePeople> images) {
-    constexpr double kApart = 0.1, kTogether = 0.08;
-    std::vector<double> pelvis_off, head_off;
-    for (const ImagePeople& image : images) {
-        if (image.points.size() != body_25b().points) continue;
-        if (const auto off = off_centre(image.points, 8, 9, 12)) pelvis_off.push_back(*off);
-        const auto most = std::max(
-            {off_centre(image.points, 0, 1, 2), off_centre(image.points, 0, 3, 4), off_centre(image.points, 17, 5, 6)});
-        if (most) head_off.push_back(*most);
+// Key points that lie between two others: of a set that is not the right one, they lie elsewhere.
+struct Between {
+    size_t centre, one, other;
+};
+
+// The farthest that these are from where they belong, in the median of all people; nothing where none was seen.
+std::optional<double> misplacement(std::span<const ImagePeople> images, std::span<const Between> points) {
+    std::optional<double> most;
+    for (const auto& [centre, one, other] : points) {
+        std::vector<double> off;
+        for (const ImagePeople& image : images)
+            for (const std::vector<KeyPoint>& person : image.people) {
+                if (person.size() <= std::max({centre, one, other})) continue;  // of another set
+                if (const auto found = off_centre(person, centre, one, other)) off.push_back(*found);
+            }
+        if (!off.empty()) most = std::max(most.value_or(0), median(off));
     }
-    return median(pelvis_off) > kApart && !head_off.empty() && median(head_off) < kTogether;
+    return most;
+}
+
+// BODY_25 and BODY_25B have 25 points each. In the former, pelvis and neck are between hips and shoulders; in the
+// latter, the nose is between eyes and between ears, and the neck, of another number, between the shoulders. Null where
+// neither is clear.
+const KeyPointLayout* layout_of_25(std::span<const ImagePeople> images) {
+    constexpr double kTogether = 0.08, kClearly = 1.5;
+    constexpr Between kOf25[] = {{8, 9, 12}, {1, 2, 5}}, kOf25B[] = {{17, 5, 6}, {0, 1, 2}, {0, 3, 4}};
+    const double of_25 = misplacement(images, kOf25).value_or(1), of_25b = misplacement(images, kOf25B).value_or(1);
+    if (!(std::min(of_25, of_25b) < kTogether && std::max(of_25, of_25b) > kClearly * kTogether)) return nullptr;
+    return find_key_point_layout(of_25 < of_25b ? "BODY_25" : "BODY_25B");
 }
 
 }  // namespace
@@ -173,11 +195,10 @@ KeyPointFile read_key_points(const std::filesystem::path& file) {
 }
 
 const KeyPointLayout* layout_of(std::span<const ImagePeople> images) {
-    const auto seen = std::ranges::find_if(images, [](const ImagePeople& image) { return !image.points.empty(); });
+    const auto seen = std::ranges::find_if(images, [](const ImagePeople& image) { return !image.people.empty(); });
     if (seen == images.end()) return nullptr;
-    const KeyPointLayout* layout = find_key_point_layout(seen->points.size());
-    const KeyPointLayout& other = body_25b();
-    return layout->points == other.points && is_body_25b(images) ? &other : layout;
+    const KeyPointLayout* layout = find_key_point_layout(seen->people[0].size());
+    return layout == find_key_point_layout("BODY_25") ? layout_of_25(images) : layout;
 }
 
 KeyPoints joints_of(const std::vector<KeyPoint>& points, const KeyPointLayout& layout) {

@@ -24,10 +24,11 @@ struct Detections {
     std::vector<stage::Camera> cameras;
     size_t frames = 0;
     double fps = 25;
-    std::vector<KeyPoints> points;        // frames × cameras: those of a frame are together
+    std::vector<KeyPoints> points;        // of one person; frames × cameras: those of a frame are together
     std::array<bool, kJoints> lacking{};  // not known to the detector
-    size_t images_with_others = 0;        // in which the detector saw more than one person
-    std::vector<std::string> notes;       // what was decided, a line each
+    // Everybody in each image, in the order of `points`, the most confident person first.
+    std::vector<std::vector<KeyPoints>> people;
+    std::vector<std::string> notes;  // what was decided, a line each
 
     KeyPoints& in(size_t frame, size_t camera) { return points[frame * cameras.size() + camera]; }
     const KeyPoints& in(size_t frame, size_t camera) const { return points[frame * cameras.size() + camera]; }
@@ -35,9 +36,8 @@ struct Detections {
 
 // What a detector saw in an image.
 struct ImagePeople {
-    std::string image;             // its name without ending, or the number of its frame
-    std::vector<KeyPoint> points;  // of the person with the most confidence; empty: nobody was seen
-    size_t people = 0;
+    std::string image;                          // its name without ending, or the number of its frame
+    std::vector<std::vector<KeyPoint>> people;  // the most confident one first; all have equally many points
 };
 
 struct KeyPointFile {
@@ -55,7 +55,8 @@ constexpr const char* kKeyPointEnding = "_keypoints";  // of a file's name, behi
 // "c03_f012_keypoints.json" and "c03_f012.png.json" → "c03_f012".
 std::string image_of_key_points(const std::filesystem::path& file);
 
-// The layout of the key points of one detector; null where nobody was seen.
+// The layout of the key points of one detector: by their number, and where two sets have as many by where they lie.
+// Null where that is not clear, or nobody was seen.
 const KeyPointLayout* layout_of(std::span<const ImagePeople> images);
 KeyPoints joints_of(const std::vector<KeyPoint>& points, const KeyPointLayout& layout);
 
@@ -73,8 +74,10 @@ struct WantedImage {
 // numbers alone count. Where numbers begin elsewhere than those of the images do, they are moved by that, and where
 // they do not fit but every frame has a file, files go by their order; notes say so. Images without a file count as
 // images in which nobody was seen. `detections` has its cameras and frames; its points are filled. Throws InputError
-// where no image has key points, for key points of images that are not wanted, and for detectors that are mixed.
-void read_detections(const std::filesystem::path& folder, std::span<const WantedImage> images, Detections& detections);
+// where no image has key points, for key points of images that are not wanted, for detectors that are mixed, and where
+// it is not clear of which layout they are. `points` has the most confident person of each image.
+void read_detections(const std::filesystem::path& folder, std::span<const WantedImage> images, Detections& detections,
+                     const KeyPointLayout* layout = nullptr);  // null: layout_of
 
 // The file of each image in a folder of them all: IMAGE_keypoints.json. Throws InputError where two images have one
 // name.
