@@ -139,6 +139,7 @@ neuvv_test(motion_test HOSTILE COST 10
   SOURCES
     motion/detector.cpp
     motion/extract_test.cpp
+    motion/people_test.cpp
     motion/skeleton_file_test.cpp
     motion/motion_files_test.cpp
     motion/bvh_test.cpp

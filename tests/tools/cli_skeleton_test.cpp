@@ -9,6 +9,7 @@
 #include "motion/detector.h"
 #include "motion/live/pose_line.h"
 #include "motion/senders.h"
+#include "motion/skeleton/median.h"
 #include "motion/skeleton/skeleton_file.h"
 #include "motion/trainee.h"
 #include "motion/video/triangulate.h"
@@ -87,6 +88,69 @@ TEST_F(CliSkeleton, ExtractsFromViews) {
                    {"none", "no folder of key points"});
     expect_refused({"skeleton", "extract", file("none"), "-o", file("b.glb")}, 2, {"none"});
     EXPECT_FALSE(std::filesystem::exists(file("b.glb")));
+}
+
+// The distances of joints, millimetres: all that both know but pelvis and neck, which markers do not have or mean
+// otherwise.
+std::vector<double> distances_mm(const motion::SkeletonClip& a, const motion::SkeletonClip& b) {
+    std::vector<double> distances;
+    for (size_t f = 0; f < std::min(a.frames.size(), b.frames.size()); ++f)
+        for (size_t j = 2; j < motion::kJoints; ++j)
+            if (a.frames[f][j].confidence > 0 && b.frames[f][j].confidence > 0)
+                distances.push_back(1000 * glm::distance(a.frames[f][j].position, b.frames[f][j].position));
+    return distances;
+}
+
+double median_mm(const motion::SkeletonClip& a, const motion::SkeletonClip& b) {
+    std::vector<double> distances = distances_mm(a, b);
+    EXPECT_GT(distances.size(), 1800u);
+    return motion::median(distances);
+}
+
+// Real cameras and a real detector, against what Pose2Sim made of them: its raw .trc triangulates each frame by itself,
+// and is about 6 mm off by noise alone, as its filtered one tells.
+TEST_F(CliSkeleton, ExtractsPose2SimsDemo) {
+    const std::filesystem::path data = NEUVV_SOURCE_DIR "/../shared/data/pose2sim";
+    if (!std::filesystem::is_directory(data)) GTEST_SKIP() << "no ../shared/data/pose2sim";
+    const auto extract = [&](const std::string& trial, const std::string& person, bool each_frame) {
+        std::vector<std::string> arguments = {
+            "skeleton", "extract", (data / trial).string(), "-o", file("a.skeleton.glb"), "--overwrite",
+            "--person", person};
+        if (each_frame) arguments.emplace_back("--each-frame");
+        const ProgramResult result = run_neuvv(arguments);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return motion::read_skeleton(file("a.skeleton.glb"));
+    };
+    struct Trial {
+        const char *trial, *person, *trc;
+    };
+    constexpr Trial kTrials[] = {{"single", "1", "S00_P00_T01_BalancingTrial_0-100"},
+                                 {"multi", "2", "S00_P01_T02_Participants1-2_P2_0-100"}};
+    for (const Trial& one : kTrials) {
+        const auto reference = [&](const char* ending) {
+            return motion::read_skeleton(data / one.trial / "pose-3d" / (std::string(one.trc) + ending));
+        };
+        const motion::SkeletonClip raw = reference(".trc"), filtered = reference("_filt_butterworth.trc");
+        const motion::SkeletonClip fitted = extract(one.trial, one.person, false);
+        const motion::SkeletonClip each = extract(one.trial, one.person, true);
+        std::printf("%s: %.2f mm from the raw .trc, %.2f from the filtered; without the fit %.2f and %.2f\n", one.trial,
+                    median_mm(fitted, raw), median_mm(fitted, filtered), median_mm(each, raw),
+                    median_mm(each, filtered));
+        EXPECT_LT(median_mm(fitted, raw), 8);
+        EXPECT_LT(median_mm(each, raw), 4);
+        EXPECT_LT(median_mm(fitted, filtered), median_mm(each, filtered));
+        EXPECT_NEAR(motion::body_height(motion::bone_lengths(fitted)), 1.7, 0.1);
+    }
+    // The other one sits, and its key points agree less: cameras are off by more than 3 % of so small a body.
+    const motion::SkeletonClip other =
+        motion::read_skeleton(data / "multi" / "pose-3d" / "S00_P01_T02_Participants1-2_P1_0-100.trc");
+    EXPECT_LT(median_mm(extract("multi", "1", false), other), 25);
+    expect_refused({"skeleton", "extract", (data / "multi").string(), "-o", file("b.glb"), "--person", "4"}, 2,
+                   {"--person", "4", "3 were found"});
+    expect_refused({"skeleton", "extract", (data / "multi").string(), "-o", file("b.glb"), "--set", "BODY_26"}, 2,
+                   {"--set", "BODY_26", "BODY_25B"});
+    expect_refused({"skeleton", "extract", (data / "multi").string(), "-o", file("b.glb"), "--set", "COCO_17"}, 2,
+                   {"cam01", "25 key points", "17 of COCO-17"});
 }
 
 // Key points by a network: it finds markers that are drawn where COCO's key points are.

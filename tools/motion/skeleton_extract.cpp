@@ -12,6 +12,7 @@
 #include "motion/skeleton/skeleton_file.h"
 #include "motion/video/extract.h"
 #include "motion/video/key_point_detector.h"
+#include "motion/video/people.h"
 #include "tools/commands.h"
 #include "tools/motion/skeleton_verbs.h"
 #include "tools/report.h"
@@ -27,9 +28,13 @@ namespace {
 constexpr const char* kExtractFooter = R"(
 Key points are one JSON an image, {"people": [{"pose_keypoints_2d": [x, y, confidence, ...]}]}: what OpenPose writes
 with `--image_dir DIR/images --write_json DIR/key_points`, and Pose2Sim into a folder for each camera. MMPose's and
-AlphaPose's JSON of an image, or of all, are read, too. The sets are COCO-17, BODY_25 and 25B, HALPE-26, 68 and 136,
-COCO-133, BODY_135, MediaPipe-33 and OpenPose-18. Files belong to the images of their names or numbers: an image without a file
-shows nobody. DIR may also be a captured data set; key points are those of its images, before lenses are corrected.
+AlphaPose's JSON of an image, or of all, are read, too. Files belong to the images of their names or numbers: an image
+without a file shows nobody. The sets are COCO-17, BODY_25 and 25B, HALPE-26, 68 and 136, COCO-133, BODY_135,
+MediaPipe-33 and OpenPose-18. DIR may also be a captured data set, or a trial of Pose2Sim, whose session has the
+calibration; key points are those of its images, before lenses are corrected.
+
+Where images show several people, views of one agree on where the joints are; --person 2 is the one whom views show
+second most.
 
 --model runs a detector here and writes such files: an ONNX network that takes an image of one person, as HRNet,
 SimpleBaseline, ViTPose and RTMPose do (1×3×height×width, RGB), and gives heat maps (1×K×h×w) or SimCC's columns and
@@ -38,10 +43,12 @@ rows (1×K×w, 1×K×h). NeuVV comes with no network. A network is a program: us
 Examples:
   neuvv skeleton extract work/views -o work/performer.skeleton.glb
   neuvv skeleton extract work/views --model vitpose-b-coco.onnx -o work/performer.skeleton.glb
-  neuvv skeleton extract work/views --key-points work/views/pose -o work/performer.skeleton.glb)";
+  neuvv skeleton extract session/trial -o work/trial.skeleton.glb
+  neuvv skeleton extract session/trial --person 2 -o work/second.skeleton.glb)";
 
 struct ExtractOptions {
     std::string folder, key_points, set, model, output, pixels = "imagenet";
+    size_t person = 1;
     bool each_frame = false;
 };
 
@@ -50,61 +57,66 @@ stage::Camera pinhole(const training::RigCamera& camera) {
     return {camera.world_from_camera, lens.fx, lens.fy, lens.cx, lens.cy, lens.width, lens.height};
 }
 
-// Key points where pinhole cameras would show them. Those that no direction explains are left out.
-void undistort_key_points(const std::vector<training::Rig>& splits, motion::Detections& seen) {
-    size_t index = 0;
-    for (const training::Rig& rig : splits)
-        for (const training::RigCamera& camera : rig.cameras) {
-            const interchange::Lens& lens = camera.lens;
-            for (size_t f = 0; f < seen.frames && lens.distorts(); ++f)
-                for (motion::KeyPoint& point : seen.in(f, index)) {
-                    if (!(point.confidence > 0)) continue;
-                    const std::optional<glm::dvec2> xy = interchange::direction_at(lens, point.pixel);
-                    if (xy)
-                        point.pixel = {lens.cx + lens.fx * xy->x, lens.cy + lens.fy * xy->y};
-                    else
-                        point.confidence = 0;
-                }
-            ++index;
-        }
+// Key points where a pinhole camera would show them. Those that no direction explains are left out.
+void undistort(const interchange::Lens& lens, motion::KeyPoints& points) {
+    if (!lens.distorts()) return;
+    for (motion::KeyPoint& point : points) {
+        if (!(point.confidence > 0)) continue;
+        const std::optional<glm::dvec2> xy = interchange::direction_at(lens, point.pixel);
+        if (xy)
+            point.pixel = {lens.cx + lens.fx * xy->x, lens.cy + lens.fy * xy->y};
+        else
+            point.confidence = 0;
+    }
 }
 
-// The cameras of a data set's splits, its times, and the images whose key points are wanted.
-std::vector<motion::WantedImage> wanted_images(const std::vector<training::Rig>& splits, motion::Detections& seen) {
+void undistort_key_points(const training::Rig& rig, motion::Detections& seen) {
+    for (size_t i = 0; i < seen.points.size(); ++i) {
+        const interchange::Lens& lens = rig.cameras[i % rig.cameras.size()].lens;
+        undistort(lens, seen.points[i]);
+        for (motion::KeyPoints& person : seen.people[i]) undistort(lens, person);
+    }
+}
+
+// The cameras of a data set, its times, and the images whose key points are wanted.
+std::vector<motion::WantedImage> wanted_images(const training::Rig& rig, motion::Detections& seen) {
     std::vector<double> times;
-    for (const training::Rig& rig : splits)
-        for (const training::Shot& shot : rig.shots) times.push_back(shot.time);
+    for (const training::Shot& shot : rig.shots) times.push_back(shot.time);
     std::ranges::sort(times);
     times.erase(std::unique(times.begin(), times.end()), times.end());
     seen.frames = times.size();
-    seen.fps = splits[0].fps > 0 ? splits[0].fps : 25;
+    seen.fps = rig.fps > 0 ? rig.fps : 25;
+    for (const training::RigCamera& camera : rig.cameras) seen.cameras.push_back(pinhole(camera));
     std::vector<motion::WantedImage> images;
-    for (const training::Rig& rig : splits) {
-        const size_t first_camera = seen.cameras.size();
-        for (const training::RigCamera& camera : rig.cameras) seen.cameras.push_back(pinhole(camera));
-        for (const training::Shot& shot : rig.shots) {
-            const auto frame = static_cast<size_t>(std::ranges::lower_bound(times, shot.time) - times.begin());
-            std::string image = shot.image.path.stem().string();
-            if (shot.image.video_frame >= 0) image += fmt::format("_{:06}", shot.image.video_frame);
-            // Images that this program wrote, c03_f012, name their cameras; other layouts name cameras themselves.
-            const size_t mark = image.rfind("_f");
-            const std::string camera = mark == std::string::npos || shot.image.video_frame >= 0
-                                           ? rig.cameras[shot.camera].name
-                                           : image.substr(0, mark);
-            images.push_back({camera, image, first_camera + shot.camera, frame});
-        }
+    for (const training::Shot& shot : rig.shots) {
+        const auto frame = static_cast<size_t>(std::ranges::lower_bound(times, shot.time) - times.begin());
+        std::string image = shot.image.path.stem().string();
+        if (shot.image.video_frame >= 0) image += fmt::format("_{:06}", shot.image.video_frame);
+        // Images that this program wrote, c03_f012, name their cameras; other layouts name cameras themselves.
+        const size_t mark = image.rfind("_f");
+        const std::string camera = mark == std::string::npos || shot.image.video_frame >= 0
+                                       ? rig.cameras[shot.camera].name
+                                       : image.substr(0, mark);
+        images.push_back({camera, image, shot.camera, frame});
     }
     return images;
 }
 
-// The training cameras, and those that a capture holds out, which see the performer as well.
-std::vector<training::Rig> read_splits(const std::string& folder) {
-    std::vector<training::Rig> splits = {training::read_rig(folder, training::Split::kTrain)};
-    try {
-        splits.push_back(training::read_rig(folder, training::Split::kTest));
-    } catch (const InputError&) {  // not every data set has a test split
-    }
-    return splits;
+// The performer's key points, of all people in the images.
+void choose_person(const ExtractOptions& options, const std::filesystem::path& folder, motion::Detections& seen) {
+    std::vector<motion::Person> people = motion::find_people(seen);
+    if (people.empty())
+        throw InputError(folder.string(), "", "no two views agree on anybody",
+                         "look at the key points: are they of these images?");
+    if (options.person > people.size())
+        throw InputError("--person", std::to_string(options.person),
+                         fmt::format("is not there: {} {} found", people.size(), people.size() > 1 ? "were" : "was"),
+                         "leave it out for the one whom views show most");
+    for (size_t i = 0; i < people.size() && people.size() > 1; ++i)
+        say("person {}{}: around ({:.2f}, {:.2f}, {:.2f}) m, in {} frames by {:.1f} views\n", i + 1,
+            i + 1 == options.person ? ", this one" : "", people[i].place.x, people[i].place.y, people[i].place.z,
+            people[i].frames, static_cast<double>(people[i].views) / static_cast<double>(people[i].frames));
+    seen.points = std::move(people[options.person - 1].points);
 }
 
 void print_quality(const motion::Extraction& found, const motion::Detections& seen) {
@@ -119,8 +131,6 @@ void print_quality(const motion::Extraction& found, const motion::Detections& se
         quality.height_m, quality.swapped,
         100.0 * static_cast<double>(quality.outliers) / static_cast<double>(std::max<size_t>(quality.key_points, 1)),
         quality.key_points);
-    if (const auto several = std::ranges::count_if(seen.people, [](const auto& people) { return people.size() > 1; }))
-        tell("{} images show several people: the most confident one of each counted\n", several);
 }
 
 motion::PixelScale pixel_scale(const std::string& name) {
@@ -129,37 +139,31 @@ motion::PixelScale pixel_scale(const std::string& name) {
                               : motion::PixelScale::kBytes;
 }
 
-// The key points in every image of the splits, in the order of wanted_images. Throws RuntimeFailure where the user
+// The key points in every image, in the order of wanted_images. Throws RuntimeFailure where the user
 // stops it.
 std::vector<std::vector<motion::KeyPoint>> detect_in_images(motion::KeyPointDetector& detector,
-                                                            const std::vector<training::Rig>& splits) {
-    std::vector<const training::Shot*> shots;
-    std::vector<const interchange::Lens*> lenses;
-    for (const training::Rig& rig : splits)
-        for (const training::Shot& shot : rig.shots) {
-            shots.push_back(&shot);
-            lenses.push_back(&rig.cameras[shot.camera].lens);
-        }
+                                                            const training::Rig& rig) {
     catch_stop_signals();
     training::ImageReader reader;
     std::vector<std::vector<motion::KeyPoint>> found;
-    Progress progress("detect", shots.size());
-    for (size_t i = 0; i < shots.size(); ++i) {
+    Progress progress("detect", rig.shots.size());
+    for (const training::Shot& shot : rig.shots) {
         if (stop_requested()) throw RuntimeFailure("stopped before the end; no key points were written");
-        const media::Image image = reader.read(shots[i]->image);
-        if (image.width != lenses[i]->width || image.height != lenses[i]->height)
-            throw InputError(shots[i]->image.path.string(), "",
-                             fmt::format("is {}×{} pixels, its camera {}×{}", image.width, image.height,
-                                         lenses[i]->width, lenses[i]->height),
-                             "give the images that the cameras were calibrated for");
+        const media::Image image = reader.read(shot.image);
+        const interchange::Lens& lens = rig.cameras[shot.camera].lens;
+        if (image.width != lens.width || image.height != lens.height)
+            throw InputError(
+                shot.image.path.string(), "",
+                fmt::format("is {}×{} pixels, its camera {}×{}", image.width, image.height, lens.width, lens.height),
+                "give the images that the cameras were calibrated for");
         found.push_back(detector.detect(image));
-        progress.update(i + 1, "images");
+        progress.update(found.size(), "images");
     }
     return found;
 }
 
 // Runs a network on all images, and writes what it finds into the folder once it has seen all of them.
-void write_detections(const ExtractOptions& options, const std::vector<training::Rig>& splits,
+void write_detections(const ExtractOptions& options, const training::Rig& rig,
                       std::span<const motion::WantedImage> images, const std::filesystem::path& folder) {
     std::error_code error;
     if (std::filesystem::exists(folder, error) && !std::filesystem::is_empty(folder, error))
@@ -168,7 +172,7 @@ void write_detections(const ExtractOptions& options, const std::vector<training:
     const std::vector<std::filesystem::path> files = motion::key_point_files(folder, images);
     prepare_output_folder("--key-points", folder);
     motion::KeyPointDetector detector(options.model, pixel_scale(options.pixels));
-    const std::vector<std::vector<motion::KeyPoint>> found = detect_in_images(detector, splits);
+    const std::vector<std::vector<motion::KeyPoint>> found = detect_in_images(detector, rig);
     for (size_t i = 0; i < files.size(); ++i) motion::write_person(files[i], found[i]);
     say("wrote {} key points of {} images into {}\n", detector.layout().name, files.size(), folder.string());
 }
@@ -195,14 +199,16 @@ void run_extract(const ExtractOptions& options) {
     prepare_result("--output", options.output, {".glb"});
     motion::Detections seen;
     const motion::KeyPointLayout* const set = named_set(options);
-    const std::vector<training::Rig> splits = read_splits(options.folder);
-    const std::vector<motion::WantedImage> images = wanted_images(splits, seen);
+    const training::Rig rig = training::read_rig_of_points(options.folder);
+    const std::vector<motion::WantedImage> images = wanted_images(rig, seen);
     std::filesystem::path folder = options.key_points;
     if (folder.empty()) folder = default_folder(options);
-    if (!options.model.empty()) write_detections(options, splits, images, folder);
+    if (!options.model.empty()) write_detections(options, rig, images, folder);
     motion::read_detections(folder, images, seen, set);
+    undistort_key_points(rig, seen);
+    choose_person(options, folder, seen);
+    for (const std::string& remark : rig.remarks) say("{}\n", remark);
     for (const std::string& note : seen.notes) say("{}\n", note);
-    undistort_key_points(splits, seen);
     say("{} frames from {} views\n", seen.frames, seen.cameras.size());
     const motion::Extraction found = motion::extract_skeleton(seen, {!options.each_frame});
     motion::write_skeleton(options.output, found.clip);
@@ -229,6 +235,9 @@ void add_skeleton_extract(Command group) {
         .needs(model);
     verb.add_option("--set", options->set,
                     "the detector's set of key points; default: by how many there are, and where");
+    verb.add_option("--person", options->person, "whose joints, where images show several people")
+        .number_between(1, 100)
+        .show_default();
     verb.add_flag("--each-frame", options->each_frame, "triangulate each frame by itself, without the fit over time");
     verb.footer({kExtractFooter});
     verb.callback([options] { run_extract(*options); });

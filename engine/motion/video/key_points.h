@@ -26,7 +26,7 @@ struct Detections {
     double fps = 25;
     std::vector<KeyPoints> points;        // of one person; frames × cameras: those of a frame are together
     std::array<bool, kJoints> lacking{};  // not known to the detector
-    // Everybody in each image, in the order of `points`, the most confident person first.
+    // Everybody in each image, in the order of `points`, the most confident person first (people.h).
     std::vector<std::vector<KeyPoints>> people;
     std::vector<std::string> notes;  // what was decided, a line each
 
