@@ -113,7 +113,7 @@ TEST_F(Qualisys, VideosOfOtherNamesBelongToCamerasByOrder) {
     for (const char* serial : {"26578", "26579", "26580"})
         std::filesystem::rename(folder.path / "videos" / fmt::format("walk_Miqus_1_{}.mp4", serial),
                                 folder.path / "videos" / fmt::format("cam{}.mp4", serial[4]));
-    expect_input_error([&] { read(); }, {"Calib.qca.txt", "4 cameras", "3 videos"});
+    expect_input_error([&] { read(); }, {"Calib.qca.txt", "4 cameras", "the images of 3"});
     std::filesystem::copy(folder.path / "videos" / "cam8.mp4", folder.path / "videos" / "cam10.mp4");
     const training::Rig rig = read();
     ASSERT_EQ(rig.cameras.size(), 3u);
