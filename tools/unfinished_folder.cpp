@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <ranges>
 #include <regex>
 #include <vector>
 
@@ -83,7 +82,8 @@ UnfinishedFolder::UnfinishedFolder(std::filesystem::path folder) : folder_(std::
 
 void UnfinishedFolder::finish() const {
     try {
-        for (const char* name : std::views::reverse(kFiles)) std::filesystem::remove(folder_ / name);
+        for (auto name = std::rbegin(kFiles); name != std::rend(kFiles); ++name)
+            std::filesystem::remove(folder_ / *name);
         for (const char* name : kFolders) {
             for (const std::filesystem::path& old : captured_files(folder_ / name)) std::filesystem::remove(old);
             if (std::filesystem::exists(path() / name)) std::filesystem::create_directories(folder_ / name);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kFullWell_electrons = 6000;  // at a linear value of 1 before the gains
 constexpr double kReadNoise_electrons = 6;    // standard deviation
-constexpr double kMinGain = 0.7, kMaxGain = 1.4;
+constexpr double kLeastGain = 0.7, kMostGain = 1.4;
 constexpr double kMinLoss = 0.05, kMaxLoss = 0.2;  // of light in the corners: by r², and again by r⁴
 constexpr double kWrongShare = 0.01;               // of mattes
 constexpr uint8_t kGreenCloth[3] = {20, 170, 60};
@@ -157,7 +157,7 @@ Studio make_studio(uint64_t seed, const std::vector<bool>& held_out, uint32_t fr
         StudioCamera camera{.held_out = held_out[c], .filed_as = c};
         if (!held_out[c]) {
             train.push_back(c);
-            for (double& gain : camera.gains) gain = dice.between(kMinGain, kMaxGain);
+            for (double& gain : camera.gains) gain = dice.between(kLeastGain, kMostGain);
             for (double& share : camera.vignette) share = -dice.between(kMinLoss, kMaxLoss);
         }
         studio.cameras.push_back(camera);

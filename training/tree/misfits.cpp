@@ -30,7 +30,7 @@ bool is_settled(const CameraFit& fit) {
     return fit.unexplained < kSettledUnexplained && fit.denied < kSettledDenied;
 }
 
-double median(std::vector<double> values) {
+double lower_median(std::vector<double> values) {
     if (values.empty()) return 0;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);  // of two, the lower
     std::nth_element(values.begin(), middle, values.end());
@@ -80,7 +80,7 @@ std::vector<CameraFit> CameraJudge::judge(const std::vector<bool>& trusted, bool
         }
     }
     std::vector<CameraFit> fits;
-    for (size_t c = 0; c < trusted.size(); ++c) fits.push_back({median(unexplained[c]), median(denied[c])});
+    for (size_t c = 0; c < trusted.size(); ++c) fits.push_back({lower_median(unexplained[c]), lower_median(denied[c])});
     return fits;
 }
 
@@ -138,7 +138,7 @@ double CameraJudge::median_unexplained_at(uint32_t from, uint32_t at, const std:
     std::vector<double> shares;
     for (const CameraEvidence& time : times_)
         if (const auto share = time.unexplained_at(from, at, trusted)) shares.push_back(*share);
-    return shares.empty() ? 1 : median(shares);
+    return shares.empty() ? 1 : lower_median(shares);
 }
 
 // The sum over all trusted cameras.
