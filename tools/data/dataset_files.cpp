@@ -25,6 +25,7 @@ void write_as_transforms(training::WriteJob job) {
     progress.finish();
     if (!wrote.complete) throw RuntimeFailure("stopped before the end; nothing was written");
     unfinished.finish();
+    for (const std::string& remark : wrote.remarks) say("{}\n", remark);
     if (!wrote.missing_split.empty())
         say("one split alone was written, the other cannot be read: {}\n", message_of(wrote.missing_split));
     tell("{}: {} images of {} train and {} test cameras, {}, {}\n", output.string(), wrote.images, wrote.train_cameras,

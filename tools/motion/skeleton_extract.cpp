@@ -162,9 +162,11 @@ std::vector<std::vector<motion::KeyPoint>> detect_in_images(motion::KeyPointDete
     return found;
 }
 
-// Runs a network on all images, and writes what it finds into the folder once it has seen all of them.
-void write_detections(const ExtractOptions& options, const training::Rig& rig,
-                      std::span<const motion::WantedImage> images, const std::filesystem::path& folder) {
+// Runs a network on all images, and writes what it finds into the folder once it has seen all of them. Returns the set
+// of its key points.
+const motion::KeyPointLayout& write_detections(const ExtractOptions& options, const training::Rig& rig,
+                                               std::span<const motion::WantedImage> images,
+                                               const std::filesystem::path& folder) {
     std::error_code error;
     if (std::filesystem::exists(folder, error) && !std::filesystem::is_empty(folder, error))
         throw InputError(folder.string(), "", "is there already, of another run or another detector",
@@ -175,6 +177,7 @@ void write_detections(const ExtractOptions& options, const training::Rig& rig,
     const std::vector<std::vector<motion::KeyPoint>> found = detect_in_images(detector, rig);
     for (size_t i = 0; i < files.size(); ++i) motion::write_person(files[i], found[i]);
     say("wrote {} key points of {} images into {}\n", detector.layout().name, files.size(), folder.string());
+    return detector.layout();
 }
 
 // DIR/key_points; of a project of Pose2Sim that has none, DIR/pose.
@@ -198,12 +201,12 @@ const motion::KeyPointLayout* named_set(const ExtractOptions& options) {
 void run_extract(const ExtractOptions& options) {
     prepare_result("--output", options.output, {".glb"});
     motion::Detections seen;
-    const motion::KeyPointLayout* const set = named_set(options);
+    const motion::KeyPointLayout* set = named_set(options);
     const training::Rig rig = training::read_rig_of_points(options.folder);
     const std::vector<motion::WantedImage> images = wanted_images(rig, seen);
     std::filesystem::path folder = options.key_points;
     if (folder.empty()) folder = default_folder(options);
-    if (!options.model.empty()) write_detections(options, rig, images, folder);
+    if (!options.model.empty()) set = &write_detections(options, rig, images, folder);
     motion::read_detections(folder, images, seen, set);
     undistort_key_points(rig, seen);
     choose_person(options, folder, seen);

@@ -22,8 +22,8 @@ struct StudioCamera {
     // Light at a distance r from the image's middle is multiplied by 1 + vignette[0] r² + vignette[1] r⁴; r is 1 in the
     // corners.
     std::array<double, 2> vignette = {0, 0};
-    size_t filed_as =
-        0;  // the camera under whose name its images, mattes and plate lie: itself, unless two are swapped
+    // The camera under whose name its images, mattes and plate lie: itself, unless two are swapped.
+    size_t filed_as = 0;
     PlateFault plate_fault = PlateFault::kNone;
     size_t plate_of = 0;  // with kOfAnotherCamera: of which
 };

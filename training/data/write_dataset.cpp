@@ -159,6 +159,8 @@ WriteSummary write_dataset(const WriteJob& job, const WriteProgress& progress) {
         const Rig& rig = both.rigs[r];
         (both.splits[r] == Split::kTest ? summary.test_cameras : summary.train_cameras) = rig.cameras.size();
         summary.images += rig.shots.size();
+        for (const std::string& remark : rig.remarks)
+            if (std::ranges::find(summary.remarks, remark) == summary.remarks.end()) summary.remarks.push_back(remark);
         for (const RigCamera& camera : rig.cameras) summary.plates += !camera.plate.path.empty();
     }
     for (const auto& [folder, needed] : {std::pair("images", true), std::pair("mattes", summary.mattes),

@@ -25,6 +25,7 @@ struct WriteSummary {
     uint64_t images = 0, train_cameras = 0, test_cameras = 0, plates = 0;
     bool mattes = false, masks = false;
     Note missing_split;  // why one of the two splits was left out, as a data set need not have both; else empty
+    std::vector<std::string> remarks;  // what the reader of the layout decided, of both splits
 };
 
 // Receives how many images are done, and of how many; returns false to stop.

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <map>
+#include <mutex>
 
 #include "base/threads/parallel.h"
 #include "training/mattes/soft_edges.h"
@@ -39,8 +41,8 @@ class FigureMattes {
         const Shot* shot;
     };
 
-    std::vector<Moment> read_moments(const std::vector<const std::vector<ShotOf>*>& times) const;
-    media::Image read(ImageReader& reader, const ShotOf& at) const;
+    std::vector<Moment> read_moments(const std::vector<const std::vector<ShotOf>*>& times);
+    media::Image read(const ShotOf& at);
     std::vector<uint8_t> matte_of(const media::Image& image, const Look& look) const;
     void write(const std::vector<ShotOf>& shots, const Moment& moment);
     void count(const Look& look);
@@ -55,12 +57,23 @@ class FigureMattes {
     std::vector<media::Image> plates_;  // by camera, of the images' size; empty where there is no clean plate
     std::map<double, std::vector<ShotOf>> times_;
     std::vector<PixelCounts> counts_;  // by camera
-    uint64_t total_ = 0, part_ = 0;    // images in all, and those that are worked on
+    // By camera. A reader goes on in a video where it is, so each camera keeps its own, for one thread at a time.
+    struct Reader {
+        std::mutex mutex;
+        ImageReader images;
+    };
+    std::deque<Reader> readers_;
+    uint64_t total_ = 0, part_ = 0;  // images in all, and those that are worked on
 };
 
 FigureMattes::FigureMattes(const std::vector<CameraShots>& cameras, std::vector<CameraBackground> backgrounds,
                            const MatteSettings& settings, MatteFiles& files, const MatteProgress& progress)
-    : cameras_(cameras), settings_(settings), files_(files), progress_(progress), counts_(cameras.size()) {
+    : cameras_(cameras),
+      settings_(settings),
+      files_(files),
+      progress_(progress),
+      counts_(cameras.size()),
+      readers_(cameras.size()) {
     for (uint32_t c = 0; c < cameras.size(); ++c) {
         media::Image& background = backgrounds[c].image;
         working_.push_back(working_camera(cameras[c].calibration(), {background.width, background.height}));
@@ -75,9 +88,11 @@ FigureMattes::FigureMattes(const std::vector<CameraShots>& cameras, std::vector<
     }
 }
 
-media::Image FigureMattes::read(ImageReader& reader, const ShotOf& at) const {
+media::Image FigureMattes::read(const ShotOf& at) {
     const CameraShots& camera = cameras_[at.camera];
-    media::Image image = camera.read(reader, at.shot->image);
+    Reader& reader = readers_[at.camera];
+    const std::scoped_lock lock(reader.mutex);
+    media::Image image = camera.read(reader.images, at.shot->image);
     const interchange::Lens& lens = working_[at.camera].lens;
     if (image.width != lens.width || image.height != lens.height)
         throw InputError(
@@ -88,7 +103,7 @@ media::Image FigureMattes::read(ImageReader& reader, const ShotOf& at) const {
 }
 
 // Camera by camera, as the frames of a video are read one after the other.
-std::vector<Moment> FigureMattes::read_moments(const std::vector<const std::vector<ShotOf>*>& times) const {
+std::vector<Moment> FigureMattes::read_moments(const std::vector<const std::vector<ShotOf>*>& times) {
     std::vector<Moment> moments;
     std::vector<std::vector<std::pair<Look*, const Shot*>>> looks(cameras_.size());
     for (const std::vector<ShotOf>* time : times) moments.emplace_back(time->size());
@@ -100,9 +115,8 @@ std::vector<Moment> FigureMattes::read_moments(const std::vector<const std::vect
         }
     parallel_for(cameras_.size(), 1, [&](size_t begin, size_t end) {
         for (size_t c = begin; c < end; ++c) {
-            ImageReader reader;
             for (const auto& [look, shot] : looks[c])
-                look->image = working_image(working_[c], read(reader, {static_cast<uint32_t>(c), shot}));
+                look->image = working_image(working_[c], read({static_cast<uint32_t>(c), shot}));
         }
     });
     return moments;
@@ -138,9 +152,7 @@ void FigureMattes::write(const std::vector<ShotOf>& shots, const Moment& moment)
         std::vector<std::vector<uint8_t>> mattes(count);
         parallel_for(count, 1, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i) {
-                ImageReader reader;
-                const ShotOf& at = shots[first + i];
-                images[i] = read(reader, at);
+                images[i] = read(shots[first + i]);
                 mattes[i] = matte_of(images[i], moment[first + i]);
             }
         });
@@ -197,6 +209,14 @@ std::optional<std::pair<glm::dvec3, glm::dvec3>> figure_box(const std::vector<Ri
                                                             const std::vector<CameraShots>& cameras, Note& why) {
     if (cameras.size() < kMinFigureCameras) {
         why = Note(fmt::format("{} cameras are too few to say where the performer is", cameras.size()));
+        return {};
+    }
+    std::map<double, size_t> images;
+    for (const CameraShots& camera : cameras)
+        for (const Shot* shot : camera.shots) ++images[shot->time];
+    const auto few = std::ranges::count_if(images, [](const auto& time) { return time.second < kMinFigureCameras; });
+    if (2 * static_cast<size_t>(few) > images.size()) {
+        why = Note(fmt::format("{} of {} times have fewer than {} images", few, images.size(), kMinFigureCameras));
         return {};
     }
     Dataset dataset;

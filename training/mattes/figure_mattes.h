@@ -23,7 +23,8 @@ struct CameraAgreement {
 using MatteProgress = std::function<bool(uint64_t done, uint64_t total)>;
 
 // The box (min, max in the world, metres) in which the performer of these rigs is sought, whose cameras it is for.
-// Nothing where cameras cannot be looked at together, as there are too few, or they all look in one direction: `why`.
+// Nothing where cameras cannot be looked at together, as there are too few, few at most times, or they all look in
+// one direction: `why`.
 std::optional<std::pair<glm::dvec3, glm::dvec3>> figure_box(const std::vector<Rig>& rigs,
                                                             const std::vector<CameraShots>& cameras, Note& why);
 

@@ -47,6 +47,15 @@ Lengths lengths_for(uint32_t longer_side) {
             .speck = static_cast<uint32_t>(kSpeck * scale * scale)};
 }
 
+// The looks of a moment are on all cores already.
+struct OneThreadOfOpenCv {
+    int before = cv::getNumThreads();
+    OneThreadOfOpenCv() { cv::setNumThreads(1); }
+    ~OneThreadOfOpenCv() { cv::setNumThreads(before); }
+    OneThreadOfOpenCv(const OneThreadOfOpenCv&) = delete;
+    OneThreadOfOpenCv& operator=(const OneThreadOfOpenCv&) = delete;
+};
+
 PixelMask both(PixelMask a, const PixelMask& b) {
     for (size_t i = 0; i < a.size(); ++i) a.set[i] &= b.set[i];
     return a;
@@ -210,7 +219,6 @@ void FigureSearch::cut_again(Moment& moment, bool backgrounds_are_learnt) {
 }
 
 bool FigureSearch::run() {
-    cv::setNumThreads(1);  // the looks of a moment are on all cores already
     for (Moment& moment : moments_) {
         begin(moment);
         if (!step_done()) return false;
@@ -235,6 +243,7 @@ bool FigureSearch::run() {
 bool find_figures(std::vector<FigureCamera> cameras, const std::pair<glm::dvec3, glm::dvec3>& box,
                   const MatteSettings& settings, std::vector<Moment>& moments, const FigureProgress& progress) {
     const TraceSpan span("find figures");
+    const OneThreadOfOpenCv one;
     return FigureSearch(std::move(cameras), box, settings, moments, progress).run();
 }
 

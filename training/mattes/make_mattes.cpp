@@ -101,6 +101,7 @@ void add_own(const MatteJob& job, const std::vector<Rig>& rigs, const std::vecto
              MatteFiles& files, MatteSummary& summary, const MatteProgress& progress) {
     std::vector<CameraBackground> backgrounds;
     for (const CameraShots& camera : cameras) {
+        if (progress && !progress(0, total)) return;
         backgrounds.push_back(background_of(camera));
         summary.cameras_with_plate += backgrounds.back().is_clean;
         if (!backgrounds.back().wrong_plate.empty()) summary.wrong_plates.push_back(backgrounds.back().wrong_plate);

@@ -60,6 +60,7 @@ void MatteFiles::add(const std::string& camera, const std::string& name, const m
 }
 
 void MatteFiles::write_sheet(const std::vector<std::string>& first) const {
+    if (cameras_.empty()) return;
     std::vector<std::string> order = cameras_;
     std::ranges::stable_sort(order, {}, [&](const std::string& camera) { return std::ranges::find(first, camera); });
     std::vector<media::Image> cells;

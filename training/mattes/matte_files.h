@@ -23,7 +23,7 @@ class MatteFiles {
     void add(const std::string& camera, const std::string& name, const media::Image& image,
              const std::vector<uint8_t>& matte);
     // Writes folder/contact_sheet.png: of each camera the image, its matte, and the performer over magenta; first the
-    // cameras that stand in `first`.
+    // cameras that stand in `first`. Nothing where no matte was added.
     void write_sheet(const std::vector<std::string>& first = {}) const;
 
     uint64_t count() const { return count_; }

@@ -31,6 +31,7 @@ WorkingCamera working_camera(const RigCamera& camera, media::ImageSize size) {
     working.lens.width = size.width;
     working.lens.height = size.height;
     working.factor = (std::max({size.width, size.height, 1u}) + kWorkingSide - 1) / kWorkingSide;
+    working.factor = std::clamp(working.factor, 1u, std::max(1u, std::min(size.width, size.height)));
     const uint32_t width = size.width / working.factor, height = size.height / working.factor;
     interchange::Lens whole = working.lens;  // of the part of the image that whole blocks cover
     whole.width = width * working.factor;

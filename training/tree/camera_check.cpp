@@ -16,13 +16,19 @@ namespace {
 
 constexpr size_t kLookTimes = 5;
 
-// The rig with its images of a few times alone, evenly spread.
+// The rig with its images of a few times alone, evenly spread, and of each camera that has none of these its first.
 Rig look_of(const Rig& rig) {
     const std::vector<double> times = times_of(rig);
     std::set<double> some;
     for (size_t i = 0; i < kLookTimes; ++i) some.insert(times[(2 * i + 1) * times.size() / (2 * kLookTimes)]);
     Rig look = rig;
     std::erase_if(look.shots, [&](const Shot& shot) { return !some.contains(shot.time); });
+    std::vector<bool> is_seen(rig.cameras.size());
+    for (const Shot& shot : look.shots) is_seen[shot.camera] = true;
+    for (const Shot& shot : rig.shots) {
+        if (!is_seen[shot.camera]) look.shots.push_back(shot);
+        is_seen[shot.camera] = true;
+    }
     return look;
 }
 
@@ -56,7 +62,9 @@ void leave_out(Rig& rig, const std::vector<Misfit>& misfits) {
         std::erase_if(rig.shots, [&](const Shot& shot) { return shot.camera == misfit.camera; });
         rig.remarks.push_back(fmt::format(
             "camera {} is left out, as its mattes contradict the others: {} of its performer is where others see "
-            "background, {} of theirs where it does. Correct its images, its mattes or its calibration",
+            "background, and {} of what they see of the performer is background in it. Correct its images, its mattes "
+            "or "
+            "its calibration",
             rig.cameras[misfit.camera].name, percent(misfit.fit.unexplained), percent(misfit.fit.denied)));
     }
     drop_cameras_without_shots(rig);

@@ -175,12 +175,16 @@ std::optional<double> CameraEvidence::unexplained_at(uint32_t from, uint32_t at,
     return static_cast<double>(count) / static_cast<double>(foreground_[*image]);
 }
 
+namespace {
+
 // The images whose denial explains an unexplained pixel best: on the pixel's ray, cells that fewer images deny are more
 // likely to hold the matter that is seen there.
 struct PixelBlame {
     size_t deniers = 0;         // of the cells that fewest images deny; 0: none was found
     std::vector<uint64_t> who;  // one bit for each image
 };
+
+}  // namespace
 
 // Adds to `denied`, by image, the share of the foreground of image `of` that it denies.
 void CameraEvidence::blame_deniers(size_t of, const std::vector<size_t>& unexplained,

@@ -12,6 +12,7 @@ namespace {
 
 constexpr uint32_t kMinWitnesses = 3;
 constexpr uint32_t kMostDivisions = 6;
+constexpr size_t kMostCells = size_t{1} << 25;  // 512 MB; where mattes are white all over, cells stay larger
 // Where so many cameras see a cell, one of them may be wrong.
 constexpr uint32_t kMinForOneWrong = 8;
 // Of a cell's ball, where the centre is judged or drawn: about a pixel, so that neighbours leave no gaps.
@@ -73,16 +74,18 @@ std::vector<HullCell> cells_of_most(const std::vector<Silhouette>& silhouettes,
                 kept[i] = is_kept(silhouettes, judged, settings.dissent);
             }
         });
+        const auto count = static_cast<size_t>(std::ranges::count(kept, uint8_t{1}));
+        const bool divides = !last && 8 * count <= kMostCells;
         std::vector<HullCell> next;
         for (size_t i = 0; i < cells.size(); ++i) {
             if (!kept[i]) continue;
-            if (last)
+            if (!divides)
                 next.push_back(cells[i]);
             else
                 add_children(cells[i], next);
         }
         cells = std::move(next);
-        if (last) return cells;
+        if (!divides) return cells;
     }
 }
 

@@ -151,6 +151,10 @@ FileMotion read_trc(const std::filesystem::path& file) {
         if (fields.size() < 3) continue;
         if (clip.frames.size() == kMaxSkeletonFrames)
             words.fail(fmt::format("has more than {} frames", kMaxSkeletonFrames));
+        // Spaces do not tell where a marker is lacking.
+        if (line.find('\t') == std::string::npos && fields.size() < 2 + 3 * header.joints.size())
+            words.fail("has fewer numbers than its markers need",
+                       "write a missing marker as nan, or part fields by tabs");
         clip.frames.push_back(read_row(words, header, fields));
     }
     if (clip.frames.empty()) words.fail("has no frames", "write it again");

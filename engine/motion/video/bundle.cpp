@@ -26,8 +26,8 @@ constexpr double kAcceleration = 15;  // metres a second²: usual in a dance
 constexpr double kUsualRate = 25;
 constexpr int kMaxIterations = 50;
 
-// The deviation of the noise in a series that is otherwise smooth: by fourth differences, which a moving body hardly
-// has but independent errors have √70-fold. Adds the absolute differences of the values to a list; NaN: not known.
+// Adds the absolute fourth differences of a series to a list; NaN: not known. A moving body hardly has any, but
+// independent errors have them √70-fold.
 void add_differences(const std::vector<double>& values, std::vector<double>& differences) {
     for (size_t i = 4; i < values.size(); ++i) {
         const double* v = &values[i - 4];

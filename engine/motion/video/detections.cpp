@@ -259,10 +259,6 @@ class Matcher {
     std::vector<std::string>& notes_;
 };
 
-}  // namespace
-
-namespace {
-
 // The layout of what was seen, which is of one detector.
 const KeyPointLayout& expect_one_layout(const std::filesystem::path& folder, std::span<const Seen* const> found,
                                         const KeyPointLayout* named) {

@@ -170,6 +170,7 @@ class PeopleFinder {
         for (Seed& seed : seeds) {
             for (size_t v = 0; v < views_; ++v)
                 if (seed.chosen[v] != kNobody && !free_[v][seed.chosen[v]]) seed.chosen[v] = kNobody;
+            seed.pose = {};
             if (count_of(seed.chosen) < 2 || triangulate_pose(frame, seed.chosen, seed.pose) < kLeastJoints) continue;
             for (size_t v = 0; v < views_; ++v)
                 if (seed.chosen[v] != kNobody) free_[v][seed.chosen[v]] = false;

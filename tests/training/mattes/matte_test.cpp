@@ -227,7 +227,8 @@ TEST_F(MatteFiles, TooFewImagesAreRefused) {
 }
 
 TEST_F(MatteFiles, StopWhereTheyAreTold) {
-    EXPECT_EQ(training::make_mattes(job, [](uint64_t, uint64_t) { return false; }).images, 9u);
+    EXPECT_EQ(training::make_mattes(job, [](uint64_t done, uint64_t) { return done == 0; }).images, 9u);
+    EXPECT_EQ(training::make_mattes(job, [](uint64_t, uint64_t) { return false; }).images, 0u);
 }
 
 }  // namespace

@@ -3,8 +3,8 @@
 //   Images are ims/FN, masks seg/FN with the ending .png, in which 1 is the performer (train.py).
 // - w2c takes a point to OpenCV's axes. k has no half pixel to be added: helpers.py makes a projection of it that puts
 //   the corner of the image at 0, and visualize.py has pixel centres at +½.
-// - −Y is up, as in Panoptic Studio, where its captures come from: train.py pushes the performer out of y > 0, the
-// floor,
+// - −Y is up, as in Panoptic Studio, where its captures come from: train.py pushes the performer out of the floor, y >
+// 0,
 //   and visualize.py puts its camera 1.3 units above the origin by a w2c that adds 1.3 to y. That is a metre a unit.
 #include "training/data/layouts/loaders.h"
 

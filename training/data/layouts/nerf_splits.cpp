@@ -76,8 +76,8 @@ SplitFrames read_file_of_split(const std::filesystem::path& folder, Split split)
     SplitFrames result;
     result.file = split_file(folder, name_of(split));
     result.transforms = interchange::read_transforms(result.file);
-    std::set<std::string>
-        images;  // an image may be of two splits: often, those of the validation are those of the test
+    // An image may be of two splits: often, those of the validation are those of the test.
+    std::set<std::string> images;
     for (const interchange::TransformsFrame& frame : result.transforms.frames) images.insert(normal(frame.file_path));
     for (const char* other : kSplitNames) {
         const auto file = split_file(folder, other);

@@ -170,6 +170,7 @@ std::vector<std::filesystem::path> find_files_by_header(const std::filesystem::p
         std::ifstream stream(file, std::ios::binary);
         stream.read(&header[1], kHead);
         header.resize(1 + static_cast<size_t>(stream.gcount()));
+        if (header.compare(1, 3, "\xEF\xBB\xBF") == 0) header.erase(1, 3);  // a byte order mark
         return !std::ranges::all_of(texts,
                                     [&](const std::string& text) { return header.find(text) != std::string::npos; });
     });

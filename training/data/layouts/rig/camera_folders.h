@@ -19,8 +19,7 @@ struct CalibratedCamera {
 // A remark about captures of one camera that moved.
 constexpr const char* kOneMoment =
     "one camera that moved, so all images show one frame: what moved meanwhile cannot be trained; a performer in "
-    "motion "
-    "needs several cameras at each moment";
+    "motion needs several cameras at each moment";
 
 struct CameraFrames {
     RigCamera camera;
