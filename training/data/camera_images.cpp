@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "training/data/matte_sources.h"
 #include "training/data/plate.h"
 
 namespace neuvv::training {
@@ -49,11 +50,6 @@ std::vector<bool> ignored_by(const media::Image& mask, MaskMeaning meaning) {
     std::vector<bool> ignored(mask.rgba.size() / 4);
     for (size_t i = 0; i < ignored.size(); ++i) ignored[i] = (values[i] != 0) == (meaning == MaskMeaning::kIgnore);
     return ignored;
-}
-
-// The folder of mattes that `neuvv matte` or a person put beside the data set.
-std::filesystem::path mattes_folder(const Rig& rig) {
-    return rig.folder / "mattes";
 }
 
 bool all_opaque(const media::Image& image) {
@@ -131,10 +127,10 @@ CameraImage CameraImages::read(const Shot& shot, Background background) {
 // error, as all of it would count as performer.
 void CameraImages::apply_matte_file(const Shot& shot, media::Image& image) {
     std::error_code ignored;
-    const std::filesystem::path folder = mattes_folder(rig_), file = folder / (shot.name + ".png");
+    const std::filesystem::path file = matte_file(rig_, shot);
     if (std::filesystem::is_regular_file(file, ignored))
         set_alpha(image, read(mattes_, {file, -1}));
-    else if (std::filesystem::is_directory(folder, ignored) && all_opaque(image))
+    else if (std::filesystem::is_directory(file.parent_path(), ignored) && all_opaque(image))
         throw InputError(file.string(), "", fmt::format("is missing: {} has no other matte", shot.name),
                          {Remedy::kMakeMattes, rig_.folder.string()});
 }

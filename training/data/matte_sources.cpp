@@ -6,6 +6,16 @@
 
 namespace neuvv::training {
 
+std::filesystem::path matte_file(const Rig& rig, const Shot& shot) {
+    std::error_code ignored;
+    const std::filesystem::path folder = rig.folder / "mattes", file = folder / (shot.name + ".png");
+    if (std::filesystem::is_regular_file(file, ignored)) return file;
+    std::string camera = rig.cameras[shot.camera].name;
+    std::ranges::replace(camera, '/', '_');
+    const std::filesystem::path former = folder / (camera + "_" + shot.image.path.stem().string() + ".png");
+    return shot.image.video_frame < 0 && std::filesystem::is_regular_file(former, ignored) ? former : file;
+}
+
 std::vector<std::string> matte_sources(const std::vector<Rig>& splits) {
     constexpr size_t kMostImages = 8;  // of a split, whose alpha is looked at
     bool mattes = false, masks = false, alpha = false;
@@ -15,7 +25,7 @@ std::vector<std::string> matte_sources(const std::vector<Rig>& splits) {
         const bool means_matte = rig.masks == MaskMeaning::kMatte || rig.masks == MaskMeaning::kLabels;
         std::vector<const Shot*> first(rig.cameras.size());
         for (const Shot& shot : rig.shots) {
-            mattes |= std::filesystem::is_regular_file(rig.folder / "mattes" / (shot.name + ".png"), ignored);
+            mattes |= std::filesystem::is_regular_file(matte_file(rig, shot), ignored);
             if (means_matte && !shot.mask.path.empty()) {
                 masks = true;
                 masks_folder = shot.mask.path.lexically_relative(rig.folder);

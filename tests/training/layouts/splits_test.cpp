@@ -193,5 +193,23 @@ TEST_F(Splits, WhatHasMattesIsKnown) {
     EXPECT_EQ(sources(), (Names{"mattes/", "masks/", "the alpha of the images"}));
 }
 
+// Names of images once began with their cameras' in any case: mattes that somebody corrected then still count.
+TEST_F(Splits, MattesOfFormerNamesCount) {
+    write_easymocap();
+    for (const std::string& name : names)
+        for (const int frame : {0, 1}) {
+            const std::filesystem::path images = folder.path / "images" / name;
+            std::filesystem::rename(images / fmt::format("{}.png", frame),
+                                    images / fmt::format("{}_{}.png", name, frame));
+            test::write_grey_png(folder.path / "mattes" / fmt::format("{0}_{0}_{1}.png", name, frame), 64, 48, 200);
+        }
+    const training::Dataset dataset = training::load_dataset(folder.path, Split::kTrain);
+    EXPECT_EQ(dataset.views.at(0).name.find(dataset.camera_names.at(0) + "_" + dataset.camera_names.at(0)),
+              std::string::npos);
+    EXPECT_EQ(dataset.views.at(0).image.whole().at(5, 5)[3], 200);
+    test::write_grey_png(folder.path / "mattes" / (dataset.views.at(0).name + ".png"), 64, 48, 100);
+    EXPECT_EQ(training::load_dataset(folder.path, Split::kTrain).views.at(0).image.whole().at(5, 5)[3], 100);
+}
+
 }  // namespace
 }  // namespace neuvv
