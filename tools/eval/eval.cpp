@@ -21,11 +21,13 @@
 #include "tools/results.h"
 #include "tools/say.h"
 #include "training/data/contact_sheet.h"
+#include "training/data/images.h"
 #include "training/data/layouts/formats.h"
 #include "training/evaluation/evaluate.h"
 #include "training/evaluation/flicker.h"
 #include "training/evaluation/lpips.h"
 #include "training/rig/align_rig.h"
+#include "training/tree/camera_check.h"
 #include "voctree/files/clip_index.h"
 #include "voctree/files/world_frame.h"
 
@@ -222,8 +224,9 @@ void say_what_was_written(const EvalOptions& options) {
 void run(const EvalOptions& options, const CommonOptions& common) {
     prepare_outputs(options);
     const voctree::ClipIndex clip = voctree::read_clip_index(options.scene, up_of(options.scene, options.up));
-    training::Dataset dataset = training::load_dataset(options.dataset, kSplits.at(options.split),
-                                                       {.format = options.format, .holdout = options.holdout});
+    training::Rig rig = training::read_rig(options.dataset, kSplits.at(options.split), options.format, options.holdout);
+    if (kSplits.at(options.split) == training::Split::kTrain) training::check_cameras(rig);  // as training does
+    training::Dataset dataset = training::read_images(rig, {.format = options.format, .holdout = options.holdout});
     say_remarks(dataset.remarks);
     training::change_frame(dataset, voctree::read_world_frame(options.scene));
     if (clip.frames() != dataset.times.size())
