@@ -27,12 +27,13 @@ constexpr double kUsualRate = 25;
 constexpr int kMaxIterations = 50;
 
 // Adds the absolute fourth differences of a series to a list; NaN: not known. A moving body hardly has any, but
-// independent errors have them √70-fold.
-void add_differences(const std::vector<double>& values, std::vector<double>& differences) {
+// independent errors have them √70-fold. Each is multiplied by the weight of the value in its middle.
+void add_differences(const std::vector<double>& values, const std::vector<double>& weights,
+                     std::vector<double>& differences) {
     for (size_t i = 4; i < values.size(); ++i) {
         const double* v = &values[i - 4];
         const double difference = v[0] - 4 * v[1] + 6 * v[2] - 4 * v[3] + v[4];
-        if (std::isfinite(difference)) differences.push_back(std::abs(difference));
+        if (std::isfinite(difference)) differences.push_back(std::abs(difference) * weights[i - 2]);
     }
 }
 
@@ -100,18 +101,17 @@ struct BundleProblem {
 // By how much the key points err from frame to frame, metres at the joint: only such errors can be smoothed away.
 double point_noise(const Detections& detections, const UsedPoints& used, double height_m, const SkeletonClip& clip) {
     constexpr size_t kEnough = 100;
-    std::vector<double> differences, values(clip.frames.size());
+    std::vector<double> differences, pixels(clip.frames.size()), weights(clip.frames.size());
     for (size_t c = 0; c < detections.cameras.size(); ++c)
         for (size_t j = 0; j < kJoints; ++j)
             for (int axis = 0; axis < 2; ++axis) {
                 for (size_t f = 0; f < clip.frames.size(); ++f) {
                     const KeyPoint& point = detections.in(f, c)[j];
-                    const double scale = metres_per_pixel(detections.cameras[c], clip.frames[f][j].position);
-                    values[f] = used[f * detections.cameras.size() + c][j]
-                                    ? point.pixel[axis] * scale * std::sqrt(point.confidence)
-                                    : NAN;
+                    pixels[f] = used[f * detections.cameras.size() + c][j] ? point.pixel[axis] : NAN;
+                    weights[f] = metres_per_pixel(detections.cameras[c], clip.frames[f][j].position) *
+                                 std::sqrt(point.confidence);
                 }
-                add_differences(values, differences);
+                add_differences(pixels, weights, differences);
             }
     const double usual = kPointError * height_m;
     return differences.size() < kEnough ? usual : std::clamp(noise_of(differences), kLeastError * height_m, usual);
@@ -149,7 +149,7 @@ double length_variation(size_t joint, const SkeletonClip& clip) {
         lengths[f] = glm::distance(from.position, to.position);
         known.push_back(lengths[f]);
     }
-    add_differences(lengths, differences);
+    add_differences(lengths, std::vector<double>(lengths.size(), 1), differences);
     const double usual = median(known);
     for (double& length : known) length = std::abs(length - usual);
     const double spread = median(known) / kMedianOfNormal, noise = noise_of(differences);
