@@ -98,6 +98,13 @@ TEST_F(DatasetVerb, SwappedCamerasAreNamed) {
     const std::string text = say();
     EXPECT_EQ(field(text, "note").find("the images of cameras c02 and c07 seem to be swapped: "), 0u) << text;
     EXPECT_EQ(text.find("doubtful matte"), std::string::npos) << "they are used where they belong\n" << text;
+
+    const std::string data = (folder.path / "data").string(), copy = (folder.path / "copy").string();
+    const ProgramResult wrote = run_neuvv({"dataset", data, "-o", copy, "--as", "transforms"});
+    ASSERT_EQ(wrote.code, 0) << wrote.err;
+    EXPECT_NE(wrote.err.find("c02 and c07 seem to be swapped"), std::string::npos) << wrote.err;
+    const ProgramResult again = run_neuvv({"dataset", copy});
+    EXPECT_EQ((again.out + again.err).find("swapped"), std::string::npos) << "the copy is right\n" << again.out;
 }
 
 TEST_F(DatasetVerb, ACaptureWithoutMattesNamesTheMend) {

@@ -343,7 +343,7 @@ void add_dataset(Command app, CommonOptions& common) {
          "  neuvv dataset work/performer -o work/copy --as transforms"});
     verb.callback([options, &common] {
         if (!options->as.empty())
-            return write_as_transforms({options->folder, options->output, options->format, options->holdout});
+            return write_as_transforms(options->folder, options->format, options->holdout, options->output);
         run(*options);
         if (options->search_rig) report_rig(*options, common);
     });

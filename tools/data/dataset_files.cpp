@@ -2,30 +2,34 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "base/platform.h"
 #include "tools/remedies.h"
 #include "tools/report.h"
 #include "tools/say.h"
 #include "tools/unfinished_folder.h"
+#include "training/data/write_dataset.h"
+#include "training/tree/camera_check.h"
 
 namespace neuvv::tools {
 
-void write_as_transforms(training::WriteJob job) {
-    const UnfinishedDataset unfinished(job.output, job.dataset);
-    const std::filesystem::path output = std::exchange(job.output, unfinished.path());
+void write_as_transforms(const std::filesystem::path& dataset, const std::string& format, const std::string& holdout,
+                         const std::filesystem::path& output) {
+    const UnfinishedDataset unfinished(output, dataset);
+    training::BothSplits both = training::read_both_splits(dataset, format, holdout);
+    for (size_t i = 0; i < both.rigs.size(); ++i)
+        if (both.splits[i] == training::Split::kTrain) training::check_cameras(both.rigs[i]);
     catch_stop_signals();
     Progress progress("dataset");
-    const training::WriteSummary wrote = training::write_dataset(job, [&](uint64_t done, uint64_t total) {
-        progress.set_total(total);
-        progress.update(done, "images");
-        return done == total || !stop_requested();
-    });
+    const training::WriteSummary wrote =
+        training::write_dataset(both, unfinished.path(), [&](uint64_t done, uint64_t total) {
+            progress.set_total(total);
+            progress.update(done, "images");
+            return done == total || !stop_requested();
+        });
     progress.finish();
     if (!wrote.complete) throw RuntimeFailure("stopped before the end; nothing was written");
     unfinished.finish();
-    for (const std::string& remark : wrote.remarks) say("{}\n", remark);
+    say_remarks(wrote.remarks);
     if (!wrote.missing_split.empty())
         say("one split alone was written, the other cannot be read: {}\n", message_of(wrote.missing_split));
     tell("{}: {} images of {} train and {} test cameras, {}, {}\n", output.string(), wrote.images, wrote.train_cameras,

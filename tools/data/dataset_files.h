@@ -1,11 +1,14 @@
 // `neuvv dataset --as`: a data set written as the files of another layout.
 #pragma once
 
-#include "training/data/write_dataset.h"
+#include <filesystem>
+#include <string>
 
 namespace neuvv::tools {
 
-// Writes the data set as transforms files and images into job.output, whole or not at all, and says what it wrote.
-void write_as_transforms(training::WriteJob job);
+// Writes the data set as transforms files and images into a folder, whole or not at all, and says what it wrote. Its
+// training images are checked against each other as `train` does (camera_check.h).
+void write_as_transforms(const std::filesystem::path& dataset, const std::string& format, const std::string& holdout,
+                         const std::filesystem::path& output);
 
 }  // namespace neuvv::tools

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "training/data/mask_image.h"
 #include "training/data/matte_sources.h"
 #include "training/data/plate.h"
 
@@ -20,22 +21,6 @@ void expect_size(media::ImageSize found, const ImageSource& source, media::Image
                      fmt::format("is {}×{}, but {} {}×{}", found.width, found.height, whose, size.width, size.height),
                      "give all images and masks of a camera the size that its calibration is for");
 }
-
-// The values of a mask: its alpha where it has one, else the brightest of R, G and B.
-class MaskValues {
-  public:
-    explicit MaskValues(const media::Image& mask) : mask_(mask) {
-        for (size_t i = 3; i < mask.rgba.size() && !by_alpha_; i += 4) by_alpha_ = mask.rgba[i] != 255;
-    }
-    uint8_t operator[](size_t pixel) const {
-        const uint8_t* at = &mask_.rgba[4 * pixel];
-        return by_alpha_ ? at[3] : std::max({at[0], at[1], at[2]});
-    }
-
-  private:
-    const media::Image& mask_;
-    bool by_alpha_ = false;
-};
 
 void set_alpha(media::Image& image, const media::Image& matte, MaskMeaning meaning = MaskMeaning::kMatte) {
     const MaskValues values(matte);
@@ -127,10 +112,10 @@ CameraImage CameraImages::read(const Shot& shot, Background background) {
 // error, as all of it would count as performer.
 void CameraImages::apply_matte_file(const Shot& shot, media::Image& image) {
     std::error_code ignored;
-    const std::filesystem::path file = matte_file(rig_, shot);
+    const std::filesystem::path folder = mattes_folder(rig_), file = matte_file(folder, rig_, shot);
     if (std::filesystem::is_regular_file(file, ignored))
         set_alpha(image, read(mattes_, {file, -1}));
-    else if (std::filesystem::is_directory(file.parent_path(), ignored) && all_opaque(image))
+    else if (std::filesystem::is_directory(folder, ignored) && all_opaque(image))
         throw InputError(file.string(), "", fmt::format("is missing: {} has no other matte", shot.name),
                          {Remedy::kMakeMattes, rig_.folder.string()});
 }

@@ -6,9 +6,13 @@
 
 namespace neuvv::training {
 
-std::filesystem::path matte_file(const Rig& rig, const Shot& shot) {
+std::filesystem::path mattes_folder(const Rig& rig) {
+    return rig.folder / "mattes";
+}
+
+std::filesystem::path matte_file(const std::filesystem::path& folder, const Rig& rig, const Shot& shot) {
     std::error_code ignored;
-    const std::filesystem::path folder = rig.folder / "mattes", file = folder / (shot.name + ".png");
+    const std::filesystem::path file = folder / (shot.name + ".png");
     if (std::filesystem::is_regular_file(file, ignored)) return file;
     std::string camera = rig.cameras[shot.camera].name;
     std::ranges::replace(camera, '/', '_');
@@ -25,7 +29,7 @@ std::vector<std::string> matte_sources(const std::vector<Rig>& splits) {
         const bool means_matte = rig.masks == MaskMeaning::kMatte || rig.masks == MaskMeaning::kLabels;
         std::vector<const Shot*> first(rig.cameras.size());
         for (const Shot& shot : rig.shots) {
-            mattes |= std::filesystem::is_regular_file(matte_file(rig, shot), ignored);
+            mattes |= std::filesystem::is_regular_file(matte_file(mattes_folder(rig), rig, shot), ignored);
             if (means_matte && !shot.mask.path.empty()) {
                 masks = true;
                 masks_folder = shot.mask.path.lexically_relative(rig.folder);

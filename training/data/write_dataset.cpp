@@ -13,6 +13,7 @@
 #include "training/data/both_splits.h"
 #include "training/data/camera_images.h"
 #include "training/data/images.h"
+#include "training/data/mask_image.h"
 #include "training/data/matte_sources.h"
 #include "training/data/transforms_file.h"
 
@@ -49,17 +50,6 @@ void make_folder(const std::filesystem::path& folder) {
     if (error) throw RuntimeFailure(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
 }
 
-// A grey image of a value for each pixel.
-template <typename Value>
-media::Image grey_of(const media::Image& like, const Value& value) {
-    media::Image grey(like.width, like.height);
-    for (size_t i = 0; i < grey.rgba.size() / 4; ++i) {
-        std::fill_n(&grey.rgba[4 * i], 3, value(i));
-        grey.rgba[4 * i + 3] = 255;
-    }
-    return grey;
-}
-
 // Whether pixels may be ignored: those that masks exclude, and those that a lens with distortion never saw.
 bool may_ignore(const std::vector<Rig>& rigs) {
     return std::ranges::any_of(rigs, [](const Rig& rig) {
@@ -91,8 +81,9 @@ class Count {
 // Writes the images of one split.
 class SplitWriter {
   public:
-    SplitWriter(const WriteJob& job, const WriteSummary& summary, const Rig& rig, const ImageNames& names, Count& count)
-        : output_(job.output), summary_(summary), rig_(rig), names_(names), cameras_(cameras_of(rig)), count_(count) {}
+    SplitWriter(const std::filesystem::path& output, const WriteSummary& summary, const Rig& rig,
+                const ImageNames& names, Count& count)
+        : output_(output), summary_(summary), rig_(rig), names_(names), cameras_(cameras_of(rig)), count_(count) {}
 
     void write_images() {
         std::vector<std::vector<const Shot*>> shots(rig_.cameras.size());
@@ -128,9 +119,10 @@ class SplitWriter {
             const media::Image& image = read.image;
             const std::string& name = names_.at(shot);
             write("images", name, image);
-            if (summary_.mattes) write("mattes", name, grey_of(image, [&](size_t i) { return image.rgba[4 * i + 3]; }));
+            if (summary_.mattes)
+                write("mattes", name, grey_image(image, [&](size_t i) { return image.rgba[4 * i + 3]; }));
             if (summary_.masks)
-                write("masks", name, grey_of(image, [&](size_t i) {
+                write("masks", name, grey_image(image, [&](size_t i) {
                           return static_cast<uint8_t>(!read.ignored.empty() && read.ignored[i] ? 0 : 255);
                       }));
             count_.add();
@@ -150,8 +142,7 @@ class SplitWriter {
 
 }  // namespace
 
-WriteSummary write_dataset(const WriteJob& job, const WriteProgress& progress) {
-    const BothSplits both = read_both_splits(job.dataset, job.format, job.holdout);
+WriteSummary write_dataset(const BothSplits& both, const std::filesystem::path& output, const WriteProgress& progress) {
     expect_distinct_names(both.rigs, "images/");
     WriteSummary summary{.mattes = !matte_sources(both.rigs).empty(), .masks = may_ignore(both.rigs)};
     summary.missing_split = both.missing;
@@ -165,17 +156,17 @@ WriteSummary write_dataset(const WriteJob& job, const WriteProgress& progress) {
     }
     for (const auto& [folder, needed] : {std::pair("images", true), std::pair("mattes", summary.mattes),
                                          std::pair("masks", summary.masks), std::pair("plates", summary.plates > 0)})
-        if (needed) make_folder(job.output / folder);
+        if (needed) make_folder(output / folder);
     const ImageNames names = image_names(both.rigs);
     Count count(progress, summary.images);
     std::vector<std::unique_ptr<SplitWriter>> writers;
     for (const Rig& rig : both.rigs) {
-        writers.push_back(std::make_unique<SplitWriter>(job, summary, rig, names, count));
+        writers.push_back(std::make_unique<SplitWriter>(output, summary, rig, names, count));
         writers.back()->write_images();
     }
     if (count.stopped()) return summary;
     for (size_t r = 0; r < writers.size(); ++r)
-        writers[r]->write_file(job.output / kWrittenFiles[both.splits[r] == Split::kTest ? 0 : 1]);
+        writers[r]->write_file(output / kWrittenFiles[both.splits[r] == Split::kTest ? 0 : 1]);
     summary.complete = true;
     return summary;
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "training/data/both_splits.h"
 
 namespace neuvv::training {
 
@@ -14,11 +15,6 @@ constexpr const char* kWrittenBy = "neuvv dataset";
 // The folders and files of such a data set. The last are those that say that the others are whole.
 constexpr const char* kWrittenFolders[] = {"images", "mattes", "masks", "plates"};
 constexpr const char* kWrittenFiles[] = {"transforms_test.json", "transforms_train.json"};
-
-struct WriteJob {
-    std::filesystem::path dataset, output;
-    std::string format = "auto", holdout;  // as in LoadOptions
-};
 
 struct WriteSummary {
     bool complete = false;  // false: the caller stopped it
@@ -37,8 +33,8 @@ using WriteProgress = std::function<bool(uint64_t done, uint64_t total)>;
 // - masks/NAME.png, black where nothing is known of a pixel, where there are such pixels (nerfstudio's mask_path);
 // - plates/CAMERA.png, the clean plates.
 // NAME is what the image's name has from its camera's name on ("01_0003" of "images_01_0003"). What is read from these
-// files is what is read from the data set itself. Throws InputError where neither split can be read, for images that
-// cannot be read, and where two have one name; RuntimeFailure where a file cannot be written.
-WriteSummary write_dataset(const WriteJob& job, const WriteProgress& progress);
+// files is what is read from the data set itself. Throws InputError for images that cannot be read, and where two have
+// one name; RuntimeFailure where a file cannot be written.
+WriteSummary write_dataset(const BothSplits& both, const std::filesystem::path& output, const WriteProgress& progress);
 
 }  // namespace neuvv::training

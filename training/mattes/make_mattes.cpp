@@ -6,6 +6,8 @@
 
 #include "base/threads/parallel.h"
 #include "training/data/both_splits.h"
+#include "training/data/mask_image.h"
+#include "training/data/matte_sources.h"
 #include "training/mattes/brought_mattes.h"
 #include "training/mattes/matte_files.h"
 
@@ -23,16 +25,11 @@ void expect_size(const Shot& shot, const media::Image& image, const media::Image
             "give both one size");
 }
 
-// The values of a matte of another program: its alpha where it has one, else the brightest of R, G and B.
+// Those of a matte of another program.
 std::vector<uint8_t> values_of(const media::Image& matte, bool inverted) {
-    bool has_alpha = false;
-    for (size_t i = 3; i < matte.rgba.size() && !has_alpha; i += 4) has_alpha = matte.rgba[i] != 255;
+    const MaskValues found(matte);
     std::vector<uint8_t> values(matte.rgba.size() / 4);
-    for (size_t i = 0; i < values.size(); ++i) {
-        const uint8_t* at = &matte.rgba[4 * i];
-        values[i] = has_alpha ? at[3] : std::max({at[0], at[1], at[2]});
-        if (inverted) values[i] = 255 - values[i];
-    }
+    for (size_t i = 0; i < values.size(); ++i) values[i] = inverted ? 255 - found[i] : found[i];
     return values;
 }
 
@@ -143,7 +140,7 @@ uint64_t count_existing_mattes(const MatteJob& job) {
     std::error_code ignored;
     for (const Rig& rig : read_both_splits(job.dataset, job.format).rigs)
         for (const Shot& shot : rig.shots)
-            existing += std::filesystem::exists(job.output / (shot.name + ".png"), ignored);
+            existing += std::filesystem::exists(matte_file(job.output, rig, shot), ignored);
     return existing;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "training/data/contact_sheet.h"
+#include "training/data/mask_image.h"
 
 namespace neuvv::training {
 
@@ -22,16 +23,6 @@ double white_borders_of(const std::vector<uint8_t>& matte, uint32_t width, uint3
     return all > 0 ? static_cast<double>(white) / static_cast<double>(all) : 0;
 }
 
-// The values as a grey image of the size of `like`.
-media::Image grey_image(const media::Image& like, const std::vector<uint8_t>& values) {
-    media::Image image(like.width, like.height);
-    for (size_t i = 0; i < values.size(); ++i) {
-        std::fill_n(&image.rgba[4 * i], 3, values[i]);
-        image.rgba[4 * i + 3] = 255;
-    }
-    return image;
-}
-
 // Image, matte, and the performer over magenta, small.
 std::vector<media::Image> row_of_sheet(const media::Image& image, const media::Image& grey) {
     media::Image opaque = image, cut = image;
@@ -49,7 +40,7 @@ std::vector<media::Image> row_of_sheet(const media::Image& image, const media::I
 
 void MatteFiles::add(const std::string& camera, const std::string& name, const media::Image& image,
                      const std::vector<uint8_t>& matte) {
-    const media::Image grey = grey_image(image, matte);
+    const media::Image grey = grey_image(image, [&](size_t i) { return matte[i]; });
     media::write_png(folder_ / (name + ".png"), grey);
     ++count_;
     shows_performer_ = shows_performer_ || std::ranges::any_of(matte, [](uint8_t value) { return value >= 128; });

@@ -203,6 +203,7 @@ TEST_F(Splits, MattesOfFormerNamesCount) {
                                     images / fmt::format("{}_{}.png", name, frame));
             test::write_grey_png(folder.path / "mattes" / fmt::format("{0}_{0}_{1}.png", name, frame), 64, 48, 200);
         }
+    EXPECT_EQ(training::matte_sources(training::read_both_splits(folder.path, "auto").rigs), Names{"mattes/"});
     const training::Dataset dataset = training::load_dataset(folder.path, Split::kTrain);
     EXPECT_EQ(dataset.views.at(0).name.find(dataset.camera_names.at(0) + "_" + dataset.camera_names.at(0)),
               std::string::npos);

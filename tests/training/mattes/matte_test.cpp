@@ -218,6 +218,14 @@ TEST_F(MatteFiles, AreTakenFromAnotherProgram) {
     expect_input_error([&] { training::make_mattes(job, {}); }, {"c01_f003", "96×95"});
 }
 
+// What somebody corrected is not overruled unasked, under whichever name it lies.
+TEST_F(MatteFiles, ThoseOfFormerNamesAreThere) {
+    ASSERT_EQ(training::count_existing_mattes(job), 0u);
+    media::write_png(job.output / "c00_c00_f000.png", media::Image(96, 96));
+    media::write_png(job.output / "c01_f003.png", media::Image(96, 96));
+    EXPECT_EQ(training::count_existing_mattes(job), 2u);
+}
+
 TEST_F(MatteFiles, TooFewImagesAreRefused) {
     training::Dataset few = opaque_capture(truth, 1);
     few.views.resize(4);
