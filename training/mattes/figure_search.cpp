@@ -213,8 +213,10 @@ void FigureSearch::cut_again(Moment& moment, bool backgrounds_are_learnt) {
         if (is_clean)
             look.figure = either(both(look.possible, differences_of(look)), look.sure);
         else
-            look.figure = cut_by_colour(
-                look.image, {look.sure, look.figure, both(look.possible, grown(look.figure, lengths.beyond))});
+            look.figure = without_specks(
+                cut_by_colour(look.image,
+                              {look.sure, look.figure, both(look.possible, grown(look.figure, lengths.beyond))}),
+                lengths.speck);
     });
 }
 
