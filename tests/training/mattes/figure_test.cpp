@@ -68,6 +68,16 @@ struct Figures : ::testing::Test {
                 media::write_png(job.dataset / fmt::format("plates/c{:02}.png", camera), grey_wall(kRing.size, 77));
         return training::make_mattes(job, {});
     }
+    // The agreement of a camera's mattes where each camera is looked at alone, and where all are looked at together.
+    template <typename Change>
+    std::pair<double, double> alone_and_together(int camera, const Change& change) {
+        job.alone = true;
+        make(change);
+        const double alone = iou(camera);
+        job.alone = false;
+        make(change);
+        return {alone, iou(camera)};
+    }
     // Intersection over union of all mattes, or of those of one camera, with the truth.
     double iou(int camera = -1) const {
         double both = 0, either = 0;
@@ -99,13 +109,9 @@ TEST_F(Figures, WhatOneCameraAloneSeesIsLeftOut) {
     const auto doorway = [](const training::View& view, media::Image& image) {
         if (view.camera == 2) paint(image, view.name.back() % 2 ? 2 : 8, 4, 7, 22, 20);
     };
-    job.alone = true;
-    make(doorway);
-    const double alone = iou(2);
-    job.alone = false;
-    make(doorway);
+    const auto [alone, together] = alone_and_together(2, doorway);
     EXPECT_LT(alone, 0.85);
-    EXPECT_GT(iou(2), alone + 0.05);
+    EXPECT_GT(together, alone + 0.05);
 }
 
 // Cloth of the wall's colour differs from it nowhere: the other cameras know that it is there.
@@ -128,13 +134,9 @@ TEST_F(Figures, WhatOneCameraCannotTellFromTheWallIsTakenFromTheOthers) {
     };
     std::filesystem::create_directories(job.dataset / "plates");
     has_plates = true;
-    job.alone = true;
-    make(camouflage);
-    const double alone = iou(4);
-    job.alone = false;
-    make(camouflage);
+    const auto [alone, together] = alone_and_together(4, camouflage);
     EXPECT_LT(alone, 0.75);
-    EXPECT_GT(iou(4), alone + 0.1);
+    EXPECT_GT(together, alone + 0.1);
 }
 
 TEST_F(Figures, OfFewCamerasAreDifferences) {
