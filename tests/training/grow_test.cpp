@@ -33,6 +33,21 @@ float sigma_at(const voctree::VOctree& tree, uint32_t leaf, uint32_t frame) {
     return tree.leaf(leaf)[frame];
 }
 
+// The first tree, with this optical depth over the edge of each leaf in all frames in which it has density.
+voctree::VOctree first_tree_of_depth(float optical_depth) {
+    voctree::VOctree tree = first_tree();
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf)
+        for (uint32_t frame = 0; frame < tree.frames; ++frame)
+            if (tree.leaf(leaf)[frame] > 0)
+                tree.leaf(leaf)[frame] =
+                    optical_depth * static_cast<float>(1u << positions[leaf].depth) / tree.box_size.x;
+    return tree;
+}
+
+// Thinner and denser than what counts as hidden where rays do not use it.
+constexpr float kThin = 0.1f, kDense = 0.5f;
+
 // A use in which every frame used every leaf. Opacity sensitivities equal the given maximum weights.
 training::LeafUse use_of(const voctree::VOctree& tree, const std::vector<float>& max_weight) {
     return {max_weight, max_weight, std::vector<uint32_t>(size_t{(tree.frames + 31) / 32} * tree.leaf_count, ~0u)};
@@ -107,7 +122,7 @@ TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
 }
 
 TEST(Grow, PrunesWhatIsNotReached) {
-    voctree::VOctree tree = first_tree();
+    voctree::VOctree tree = first_tree_of_depth(kThin);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) tree.leaf(leaf)[6] = static_cast<float>(leaf);
     std::vector<float> max_weight(tree.leaf_count, 0.5f);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3) max_weight[leaf] = 0.001f;
@@ -124,10 +139,35 @@ TEST(Grow, PrunesWhatIsNotReached) {
 }
 
 TEST(Grow, NothingReachedLeavesTheTree) {
-    const voctree::VOctree tree = first_tree();
+    const voctree::VOctree tree = first_tree_of_depth(kThin);
     const voctree::VOctree grown = training::grow(capture(), tree, use_of(tree, std::vector<float>(tree.leaf_count)),
                                                   {.max_depth = 5, .prune_below = 0.01f});
     EXPECT_EQ(grown.weights, tree.weights);
+}
+
+TEST(Grow, LeavesThatOthersHideStay) {
+    const voctree::VOctree thin = first_tree_of_depth(kThin), dense = first_tree_of_depth(kDense);
+    voctree::VOctree tree = thin;  // every second leaf is dense; the first half of all were not reached
+    std::vector<float> max_weight(tree.leaf_count, 0.5f);
+    size_t removed = 0;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
+        if (leaf % 2 == 0) std::copy_n(dense.leaf(leaf), tree.weights_per_leaf(), tree.leaf(leaf));
+        if (leaf < tree.leaf_count / 2) max_weight[leaf] = 0;
+        removed += leaf < tree.leaf_count / 2 && leaf % 2 == 1 ? 1 : 0;
+    }
+    training::LeafUse use = use_of(tree, max_weight);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count / 2; ++leaf) use.frames[leaf] = 0;
+    const voctree::VOctree grown =
+        training::grow(capture(), tree, use, {.max_depth = 5, .prune_below = 0.01f, .empty_unused = true});
+    expect_sound(grown);
+    EXPECT_EQ(grown.leaf_count, tree.leaf_count - removed);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
+    for (uint32_t leaf = 0; leaf < grown.leaf_count; ++leaf) {
+        const uint32_t before = voctree::find_leaf(tree, centre_of(positions[leaf]));
+        EXPECT_TRUE(before >= tree.leaf_count / 2 || before % 2 == 0) << before;
+        for (uint32_t frame = 0; frame < 3; ++frame)
+            EXPECT_NEAR(sigma_at(grown, leaf, frame), sigma_at(tree, before, frame), 1e-3f);
+    }
 }
 
 TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
@@ -236,7 +276,7 @@ TEST(Grow, NoLeafDividesThatShowsSmallerThanAsked) {
 }
 
 TEST(Grow, LeavesAreEmptiedInFramesThatDidNotUseThem) {
-    const voctree::VOctree tree = first_tree();
+    const voctree::VOctree tree = first_tree_of_depth(kThin);
     training::LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
     for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) use.frames[leaf] = leaf % 2 ? 0b101 : 0b111;
     const voctree::VOctree grown = training::grow(capture(), tree, use, {.max_depth = 5, .empty_unused = true});

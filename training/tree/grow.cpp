@@ -22,6 +22,10 @@ namespace {
 // Optical depths over a leaf's edge: minus the first where a leaf must be empty, the second for leaves of the first
 // tree in frames in which the hull allows matter.
 constexpr float kForbiddenOpacity = 0.1f, kInitialOpacity = 0.7f;
+// A leaf that no ray has used, but that has this optical depth over its edge, is not empty: other leaves hide it. It
+// stays, for what hides it may become thinner. Without it bodies are hollow, and a hole in their front shows what is
+// behind them.
+constexpr float kHiddenDepth = 0.3f;
 constexpr uint32_t kFirstDepth = 4;  // octree depth of the grid with which carving begins
 
 // The ball by which a leaf is carved. That of a coarse leaf encloses it, so that no child is lost. That of a leaf of
@@ -172,22 +176,32 @@ std::vector<bool> select_divided(const Dataset& dataset, const voctree::VOctree&
     return divided;
 }
 
-// Makes a leaf's σ of each frame, `values`, negative in the frames that did not use the leaf from which it comes. Where
-// frames share bases this would make other frames thinner, so nothing changes there.
+// Makes a leaf's σ of each frame, `values`, negative in the frames that did not use the leaf from which it comes,
+// unless it is hidden there. Where frames share bases this would make other frames thinner, so nothing changes there.
+// `depth` is that of the leaf from which it comes.
 void fit_to_use(const voctree::VOctree& tree, const LeafUse& use, uint32_t parent, uint32_t depth,
                 std::vector<float>& values) {
     if (tree.bases < tree.frames) return;
-    const float below = -density_of(tree, depth, kForbiddenOpacity);
-    for (uint32_t t = 0; t < tree.frames; ++t)
-        if (!(use.frames[size_t{t / 32} * tree.leaf_count + parent] >> t % 32 & 1))
-            values[t] = std::min(values[t], below);
+    const float below = -density_of(tree, depth, kForbiddenOpacity), hidden = density_of(tree, depth, kHiddenDepth);
+    for (uint32_t t = 0; t < tree.frames; ++t) {
+        const bool is_used = (use.frames[size_t{t / 32} * tree.leaf_count + parent] >> t % 32 & 1) != 0;
+        if (!is_used && values[t] < hidden) values[t] = std::min(values[t], below);
+    }
+}
+
+// For leaves that rays hardly used: whether it is hidden in some frame.
+bool is_hidden(const voctree::VOctree& tree, const voctree::LeafPosition& position, uint32_t leaf) {
+    std::vector<float> sigma(tree.frames);
+    voctree::sigma_of_frames(tree, tree.leaf(leaf), sigma);
+    return *std::max_element(sigma.begin(), sigma.end()) >= density_of(tree, position.depth, kHiddenDepth);
 }
 
 // Which leaves are not removed.
-std::vector<bool> select_kept(const std::vector<float>& max_weight, const GrowSettings& settings) {
+std::vector<bool> select_kept(const voctree::VOctree& tree, const std::vector<voctree::LeafPosition>& positions,
+                              const std::vector<float>& max_weight, const GrowSettings& settings) {
     std::vector<uint32_t> selected;
     for (uint32_t i = 0; i < max_weight.size(); ++i)
-        if (max_weight[i] >= settings.prune_below) selected.push_back(i);
+        if (max_weight[i] >= settings.prune_below || is_hidden(tree, positions[i], i)) selected.push_back(i);
     if (settings.max_leaves > 0 && selected.size() > settings.max_leaves) {
         std::stable_sort(selected.begin(), selected.end(),
                          [&](uint32_t a, uint32_t b) { return max_weight[a] > max_weight[b]; });
@@ -276,7 +290,7 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
                       const GrowSettings& settings) {
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     const std::vector<bool> divided = select_divided(dataset, tree, positions, use, settings);
-    const std::vector<bool> stays = select_kept(use.max_weight, settings);
+    const std::vector<bool> stays = select_kept(tree, positions, use.max_weight, settings);
     std::vector<voctree::LeafPosition> grown, children;
     std::vector<uint32_t> parents, origins;  // the leaf from which each of `grown` and `children` comes
     for (uint32_t i = 0; i < positions.size(); ++i) {
@@ -313,7 +327,7 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
             std::memcpy(leaf, parent, sizeof(float) * tree.weights_per_leaf());
             if (i < kept && !settings.empty_unused) continue;
             voctree::sigma_of_frames(tree, parent, values);
-            if (settings.empty_unused) fit_to_use(tree, use, parents[i], grown[i].depth, values);
+            if (settings.empty_unused) fit_to_use(tree, use, parents[i], positions[parents[i]].depth, values);
             if (i >= kept) fit_to_hull(dataset, tree, carved, i - kept, values);
             solver.solve(values.data(), leaf);
         }
