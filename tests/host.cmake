@@ -149,6 +149,7 @@ neuvv_test(motion_test HOSTILE COST 10
     motion/live_test.cpp
     motion/colour_model.cpp
     motion/key_point_detector_test.cpp
+    motion/network_test.cpp
     motion/vmc_test.cpp
     motion/pose_source_test.cpp
     motion/pose_port_test.cpp

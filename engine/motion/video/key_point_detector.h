@@ -22,8 +22,6 @@ enum class PixelScale {
 //   - heat maps, 1×K×h×w, one a key point (SimpleBaseline, HRNet, ViTPose), or
 //   - one line of the image's columns and one of its rows, 1×K×w and 1×K×h (SimCC: RTMPose).
 // Value i of n stands for the place (i + ½) / n of the input. K says which key points they are (find_key_point_layout).
-//
-// A network is a program that OpenCV runs: open only those that you trust.
 class KeyPointDetector {
   public:
     // Opens the network and runs it once. Throws InputError for files that are missing, no ONNX model, have other
@@ -41,8 +39,8 @@ class KeyPointDetector {
     std::vector<KeyPoint> detect(const media::Image& image);
 
   private:
-    struct Network;
-    std::unique_ptr<Network> network_;
+    struct Detector;
+    std::unique_ptr<Detector> detector_;
 };
 
 }  // namespace neuvv::motion

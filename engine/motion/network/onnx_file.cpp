@@ -1,4 +1,4 @@
-#include "motion/video/onnx_input.h"
+#include "motion/network/onnx_file.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,10 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <vector>
+#include <span>
 
 #include "base/error.h"
+#include "base/platform.h"
 
 namespace neuvv::motion {
 
@@ -17,14 +18,14 @@ namespace {
 using ProtoBytes = std::span<const uint8_t>;
 
 // Members of ONNX's messages, by their numbers in onnx.proto.
-constexpr uint64_t kModelGraph = 7, kGraphNode = 1, kGraphInitializer = 5, kGraphInput = 11, kNodeAttribute = 5,
-                   kAttributeTensor = 5, kValueName = 1, kValueType = 2, kTypeTensor = 1, kTensorShape = 2,
-                   kShapeDim = 1, kDimValue = 1;
+constexpr uint64_t kModelGraph = 7, kGraphNode = 1, kGraphInitializer = 5, kGraphInput = 11, kGraphOutput = 12,
+                   kNodeAttribute = 5, kAttributeTensor = 5, kValueName = 1, kValueType = 2, kTypeTensor = 1,
+                   kTensorShape = 2, kShapeDim = 1, kDimValue = 1;
 constexpr uint64_t kTensorDims = 1, kTensorType = 2, kTensorFloats = 4, kTensorInts = 5, kTensorLongs = 7,
                    kTensorName = 8, kTensorRaw = 9, kTensorDoubles = 10, kTensorUnsigned = 11, kTensorLocation = 14;
 // Bytes of an element in raw data, by the tensor's type; 0: a type that networks have no numbers of.
 constexpr uint64_t kElementBytes[] = {0, 4, 1, 1, 2, 2, 4, 8, 0, 1, 2, 8, 4, 8, 0, 0};
-constexpr uint64_t kLeastSide = 32, kMostSide = 2048;
+constexpr uint64_t kMaxModelBytes = uint64_t{1} << 31;  // what protobuf reads
 constexpr uint64_t kMaxModelElements = uint64_t{1} << 31;
 
 // One member of a protobuf message: a number, or the bytes of a text, of a list or of another message.
@@ -168,8 +169,8 @@ void check_tensors(ProtoBytes graph, const std::string& file) {
     }
 }
 
-// The sizes of an input; 0 for one that the model leaves open.
-std::vector<uint64_t> input_shape(ProtoBytes value, const std::string& file) {
+// The sizes of an input or output; 0 for one that the model leaves open, by a name or by a negative number.
+std::vector<uint64_t> value_sizes(ProtoBytes value, const std::string& file) {
     const ProtoBytes tensor = proto_member(proto_member(value, kValueType, file), kTypeTensor, file);
     std::vector<uint64_t> sizes;
     ProtoReader dims(proto_member(tensor, kTensorShape, file), file);
@@ -178,45 +179,58 @@ std::vector<uint64_t> input_shape(ProtoBytes value, const std::string& file) {
         sizes.push_back(0);
         ProtoReader members(dim->bytes, file);
         while (const auto member = members.next())
-            if (member->member == kDimValue) sizes.back() = member->number;
+            if (member->member == kDimValue) sizes.back() = member->number >> 63 ? 0 : member->number;
     }
     return sizes;
 }
 
-// The graph's inputs that are images, not weights.
-std::vector<ProtoBytes> image_inputs(ProtoBytes graph, const std::string& file) {
-    std::set<std::string> weights;
-    std::vector<ProtoBytes> inputs, images;
-    ProtoReader reader(graph, file);
-    while (const auto field = reader.next()) {
-        if (field->member == kGraphInitializer)
-            weights.insert(proto_text(proto_member(field->bytes, kTensorName, file)));
-        if (field->member == kGraphInput) inputs.push_back(field->bytes);
+void expect_possible_size(const OnnxValue& input, const std::string& file) {
+    uint64_t count = 1;
+    for (const uint64_t size : input.sizes) {
+        const uint64_t known = std::max<uint64_t>(size, 1);
+        if (known > kMaxInputElements / count)
+            throw InputError(file, "graph.input",
+                             fmt::format("{} is {}: larger than any image", input.name, input.size_text()),
+                             "export or download the model again");
+        count *= known;
     }
-    for (const ProtoBytes input : inputs)
-        if (!weights.contains(proto_text(proto_member(input, kValueName, file)))) images.push_back(input);
-    return images;
+}
+
+// The graph's inputs that are no weights, and its outputs.
+void read_values(ProtoBytes graph, OnnxFile& onnx) {
+    std::set<std::string> weights;
+    ProtoReader reader(graph, onnx.name);
+    while (const auto field = reader.next()) {
+        const auto value = [&] {
+            return OnnxValue{proto_text(proto_member(field->bytes, kValueName, onnx.name)),
+                             value_sizes(field->bytes, onnx.name)};
+        };
+        if (field->member == kGraphInitializer)
+            weights.insert(proto_text(proto_member(field->bytes, kTensorName, onnx.name)));
+        if (field->member == kGraphInput) onnx.inputs.push_back(value());
+        if (field->member == kGraphOutput) onnx.outputs.push_back(value());
+    }
+    std::erase_if(onnx.inputs, [&](const OnnxValue& input) { return weights.contains(input.name); });
+    for (const OnnxValue& input : onnx.inputs) expect_possible_size(input, onnx.name);
 }
 
 }  // namespace
 
-OnnxInput read_onnx_input(std::span<const uint8_t> bytes, const std::string& file) {
-    const ProtoBytes graph = proto_member(bytes, kModelGraph, file);
-    if (graph.empty()) throw InputError(file, "graph", "is not there: this is no ONNX model", "name an .onnx file");
-    check_tensors(graph, file);
-    const std::vector<ProtoBytes> inputs = image_inputs(graph, file);
-    if (inputs.size() != 1)
-        throw InputError(file, "graph.input", fmt::format("has {} inputs", inputs.size()),
-                         "use a model that takes one image of one person");
-    const std::vector<uint64_t> shape = input_shape(inputs[0], file);
-    const auto side = [](uint64_t size) { return size >= kLeastSide && size <= kMostSide; };
-    if (shape.size() != 4 || shape[0] > 1 || shape[1] != 3 || !side(shape[2]) || !side(shape[3]))
-        throw InputError(file, "graph.input",
-                         fmt::format("is {} (0: left open), not 1×3×height×width of {} to {} pixels",
-                                     shape.empty() ? "without sizes" : fmt::format("{}", fmt::join(shape, "×")),
-                                     kLeastSide, kMostSide),
-                         "export the model with a fixed size of its image");
-    return {static_cast<uint32_t>(shape[3]), static_cast<uint32_t>(shape[2])};
+std::string OnnxValue::size_text() const {
+    return sizes.empty() ? "without sizes" : fmt::format("{}", fmt::join(sizes, "×"));
+}
+
+OnnxFile parse_onnx(std::vector<uint8_t> bytes, const std::string& name) {
+    OnnxFile onnx{.name = name, .bytes = std::move(bytes)};
+    const ProtoBytes graph = proto_member(onnx.bytes, kModelGraph, name);
+    if (graph.empty()) throw InputError(name, "graph", "is not there: this is no ONNX model", "name an .onnx file");
+    check_tensors(graph, name);
+    read_values(graph, onnx);
+    return onnx;
+}
+
+OnnxFile read_onnx_file(const std::filesystem::path& path) {
+    return parse_onnx(read_file(path, kMaxModelBytes), path.string());
 }
 
 }  // namespace neuvv::motion
