@@ -20,19 +20,13 @@ namespace {
 constexpr size_t kLooksAtOnce = 800;   // in memory: 1.5 GB
 constexpr double kSearchShare = 0.85;  // of the work for these looks; the rest is reading and writing
 constexpr size_t kMattesAtOnce = 16;   // of full size in memory
-constexpr uint32_t kEdge = 3;          // small pixels by which a hull may be off without a word
-
-// How many pixels the mattes of a camera have, and how many they lack or have too many.
-struct PixelCounts {
-    double hull = 0, figure = 0, lacking = 0, beyond = 0;
-};
 
 class FigureMattes {
   public:
     FigureMattes(const std::vector<CameraShots>& cameras, std::vector<CameraBackground> backgrounds,
                  const MatteSettings& settings, MatteFiles& files, const MatteProgress& progress);
     bool run(const std::pair<glm::dvec3, glm::dvec3>& box);
-    std::vector<CameraAgreement> agreements() const;
+    std::vector<CameraAgreement> agreements() const { return agreement_.of(cameras_); }
 
   private:
     // Which shot of which camera.
@@ -45,7 +39,6 @@ class FigureMattes {
     media::Image read(const ShotOf& at);
     std::vector<uint8_t> matte_of(const media::Image& image, const Look& look) const;
     void write(const std::vector<ShotOf>& shots, const Moment& moment);
-    void count(const Look& look);
     bool told(double share_of_part) const;
 
     const std::vector<CameraShots>& cameras_;
@@ -56,7 +49,7 @@ class FigureMattes {
     std::vector<FigureCamera> figure_cameras_;
     std::vector<media::Image> plates_;  // by camera, of the images' size; empty where there is no clean plate
     std::map<double, std::vector<ShotOf>> times_;
-    std::vector<PixelCounts> counts_;  // by camera
+    AgreementSums agreement_;
     // By camera. A reader goes on in a video where it is, so each camera keeps its own, for one thread at a time.
     struct Reader {
         std::mutex mutex;
@@ -72,7 +65,7 @@ FigureMattes::FigureMattes(const std::vector<CameraShots>& cameras, std::vector<
       settings_(settings),
       files_(files),
       progress_(progress),
-      counts_(cameras.size()),
+      agreement_(cameras.size()),
       readers_(cameras.size()) {
     for (uint32_t c = 0; c < cameras.size(); ++c) {
         media::Image& background = backgrounds[c].image;
@@ -122,18 +115,6 @@ std::vector<Moment> FigureMattes::read_moments(const std::vector<const std::vect
     return moments;
 }
 
-// Adds up how a look agrees with the hull of the others' figures.
-void FigureMattes::count(const Look& look) {
-    PixelCounts& counts = counts_[look.camera];
-    const PixelMask near = grown(look.hull, kEdge), inside = grown(look.figure, kEdge);
-    for (size_t i = 0; i < look.figure.size(); ++i) {
-        counts.hull += look.hull[i];
-        counts.figure += look.figure[i];
-        counts.lacking += look.hull[i] && !inside[i];
-        counts.beyond += look.figure[i] && !near[i];
-    }
-}
-
 // At the size of the image that the camera took, whose own pixels say where edges are.
 std::vector<uint8_t> FigureMattes::matte_of(const media::Image& image, const Look& look) const {
     const WorkingCamera& working = working_[look.camera];
@@ -159,7 +140,7 @@ void FigureMattes::write(const std::vector<ShotOf>& shots, const Moment& moment)
         for (size_t i = 0; i < count; ++i) {
             const ShotOf& at = shots[first + i];
             files_.add(cameras_[at.camera].name(), at.shot->name, images[i], mattes[i]);
-            FigureMattes::count(moment[first + i]);
+            agreement_.add(at.camera, moment[first + i].figure, moment[first + i].hull);
         }
     }
 }
@@ -191,16 +172,6 @@ bool FigureMattes::run(const std::pair<glm::dvec3, glm::dvec3>& box) {
         }
     }
     return true;
-}
-
-std::vector<CameraAgreement> FigureMattes::agreements() const {
-    std::vector<CameraAgreement> agreements;
-    for (size_t c = 0; c < cameras_.size(); ++c)
-        agreements.push_back({.camera = cameras_[c].name(),
-                              .lacking = counts_[c].lacking / std::max(1.0, counts_[c].hull),
-                              .beyond = counts_[c].beyond / std::max(1.0, counts_[c].figure)});
-    std::ranges::stable_sort(agreements, std::greater(), [](const CameraAgreement& a) { return a.lacking + a.beyond; });
-    return agreements;
 }
 
 }  // namespace

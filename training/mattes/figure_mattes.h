@@ -3,21 +3,14 @@
 
 #include <functional>
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "training/mattes/agreement.h"
 #include "training/mattes/camera_shots.h"
 #include "training/mattes/figure_search.h"
 #include "training/mattes/matte_files.h"
 
 namespace neuvv::training {
-
-// How the mattes of a camera agree with what the mattes of the other cameras say of them.
-struct CameraAgreement {
-    std::string camera;
-    double lacking = 0;  // the share of what the other cameras show there that the mattes lack
-    double beyond = 0;   // the share of the mattes that the other cameras do not show there
-};
 
 // Receives how many images are done, and of how many; returns false to stop.
 using MatteProgress = std::function<bool(uint64_t done, uint64_t total)>;

@@ -66,6 +66,21 @@ PixelMask either(PixelMask a, const PixelMask& b) {
     return a;
 }
 
+// The hull of the masks of a moment's looks, by look. By centres, its cells are half as large.
+std::vector<PixelMask> hull_of_looks(const std::vector<FigureCamera>& cameras,
+                                     const std::pair<glm::dvec3, glm::dvec3>& box, const Moment& moment,
+                                     std::vector<PixelMask> masks, HullSettings settings) {
+    std::vector<CameraMask> seen;
+    std::vector<stage::Camera> pinholes;
+    for (size_t i = 0; i < moment.size(); ++i) {
+        const FigureCamera& camera = cameras[moment[i].camera];
+        seen.push_back({&camera.camera, std::move(masks[i]), &camera.unseen});
+        pinholes.push_back(camera.camera);
+    }
+    settings.divisions = std::min(divisions_for(pinholes, box, kPixelsOfCell), kFirstDivisions) + settings.by_centres;
+    return hull_of_most(seen, box, settings);
+}
+
 class FigureSearch {
   public:
     FigureSearch(std::vector<FigureCamera> cameras, const std::pair<glm::dvec3, glm::dvec3>& box,
@@ -76,9 +91,6 @@ class FigureSearch {
           backgrounds_(settings),
           moments_(moments),
           progress_(progress) {
-        std::vector<stage::Camera> pinholes;
-        for (const FigureCamera& camera : cameras_) pinholes.push_back(camera.camera);
-        divisions_ = std::min(divisions_for(pinholes, box, kPixelsOfCell), kFirstDivisions);
         fragments_.threshold *= kFragmentShare;
         backgrounds_.threshold *= kLearntShare;
         for (const FigureCamera& camera : cameras_) known_.emplace_back(camera.camera.width, camera.camera.height);
@@ -90,7 +102,6 @@ class FigureSearch {
     void join_hull(Moment& moment);
     void drop_background(Look& look) const;
     void cut_again(Moment& moment, bool backgrounds_are_learnt);
-    std::vector<PixelMask> hulls_of(const Moment& moment, std::vector<PixelMask> masks, const HullSettings& settings);
     void learn_backgrounds();
     PixelMask differences_of(const Look& look) const;
     bool step_done() {
@@ -104,9 +115,14 @@ class FigureSearch {
     MatteSettings fragments_, backgrounds_;
     std::vector<Moment>& moments_;
     const FigureProgress& progress_;
-    uint32_t divisions_ = 1;
     double steps_ = 0;
 };
+
+std::vector<PixelMask> figures_of(const Moment& moment) {
+    std::vector<PixelMask> figures;
+    for (const Look& look : moment) figures.push_back(look.figure);
+    return figures;
+}
 
 // For each look of a moment, on all cores.
 template <typename Action>
@@ -121,16 +137,6 @@ PixelMask FigureSearch::differences_of(const Look& look) const {
     return both(differing_pixels(look.image, camera.background, fragments_), inverse(camera.unseen));
 }
 
-std::vector<PixelMask> FigureSearch::hulls_of(const Moment& moment, std::vector<PixelMask> masks,
-                                              const HullSettings& settings) {
-    std::vector<CameraMask> cameras;
-    for (size_t i = 0; i < moment.size(); ++i) {
-        const FigureCamera& camera = cameras_[moment[i].camera];
-        cameras.push_back({&camera.camera, std::move(masks[i]), &camera.unseen});
-    }
-    return hull_of_most(cameras, box_, settings);
-}
-
 // Steps 1 to 3.
 void FigureSearch::begin(Moment& moment) {
     std::vector<PixelMask> fragments(moment.size()), parts(moment.size());
@@ -140,7 +146,7 @@ void FigureSearch::begin(Moment& moment) {
         parts[i] = convex_parts(fragments[i], lengths.reach, lengths.speck);
     });
     if (moment.size() >= kMinFigureCameras)
-        parts = hulls_of(moment, std::move(parts), {.dissent = kFirstDissent, .divisions = divisions_});
+        parts = hull_of_looks(cameras_, box_, moment, std::move(parts), {.dissent = kFirstDissent});
     for_looks(moment, [&](size_t i, Look& look) {
         const Lengths lengths = lengths_of(look);
         look.possible = std::move(parts[i]);
@@ -182,13 +188,10 @@ void FigureSearch::learn_backgrounds() {
 
 // Gives each figure what the figures of most cameras say of it.
 void FigureSearch::join_hull(Moment& moment) {
-    std::vector<PixelMask> figures;
-    for (const Look& look : moment) figures.push_back(look.figure);
-    if (moment.size() >= kMinFigureCameras)
-        figures = hulls_of(moment, std::move(figures),
-                           {.dissent = kDissent, .divisions = divisions_ + 1, .by_centres = true});
+    const bool enough = moment.size() >= kMinFigureCameras;
+    std::vector<PixelMask> hulls = enough ? hull_of_figures(cameras_, box_, moment) : figures_of(moment);
     for_looks(moment, [&](size_t i, Look& look) {
-        look.hull = std::move(figures[i]);
+        look.hull = std::move(hulls[i]);
         look.figure = either(std::move(look.figure), look.hull);
     });
 }
@@ -241,6 +244,11 @@ bool FigureSearch::run() {
 }
 
 }  // namespace
+
+std::vector<PixelMask> hull_of_figures(const std::vector<FigureCamera>& cameras,
+                                       const std::pair<glm::dvec3, glm::dvec3>& box, const Moment& moment) {
+    return hull_of_looks(cameras, box, moment, figures_of(moment), {.dissent = kDissent, .by_centres = true});
+}
 
 bool find_figures(std::vector<FigureCamera> cameras, const std::pair<glm::dvec3, glm::dvec3>& box,
                   const MatteSettings& settings, std::vector<Moment>& moments, const FigureProgress& progress) {

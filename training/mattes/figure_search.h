@@ -48,6 +48,11 @@ struct Look {
 // Looks of one time.
 using Moment = std::vector<Look>;
 
+// By look, where the figures of most cameras show the performer, who is within the box: Look::hull. Needs
+// kMinFigureCameras looks.
+std::vector<PixelMask> hull_of_figures(const std::vector<FigureCamera>& cameras,
+                                       const std::pair<glm::dvec3, glm::dvec3>& box, const Moment& moment);
+
 // Receives how much of the work is done, from 0 to 1; returns false to stop.
 using FigureProgress = std::function<bool(double share)>;
 
