@@ -124,6 +124,7 @@ neuvv_test(matte_test
     training/mattes/brought_mattes_test.cpp
     training/mattes/figure_test.cpp
     training/mattes/matte_test.cpp
+    training/mattes/matte_model_test.cpp
     training/pixel_mask_test.cpp
   LINKS neuvv_training)
 neuvv_test(camera_pose_test
