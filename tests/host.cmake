@@ -125,6 +125,7 @@ neuvv_test(matte_test
     training/mattes/figure_test.cpp
     training/mattes/matte_test.cpp
     training/mattes/matte_model_test.cpp
+    training/mattes/network_mattes_test.cpp
     training/pixel_mask_test.cpp
   LINKS neuvv_training)
 neuvv_test(camera_pose_test

@@ -1,6 +1,7 @@
 #include "training/mattes/agreement.h"
 
 #include <algorithm>
+#include <functional>
 
 namespace neuvv::training {
 

@@ -10,6 +10,7 @@
 #include "training/data/matte_sources.h"
 #include "training/mattes/brought_mattes.h"
 #include "training/mattes/matte_files.h"
+#include "training/mattes/network_mattes.h"
 
 namespace neuvv::training {
 
@@ -93,21 +94,42 @@ void add_differences(const MatteJob& job, const std::vector<CameraShots>& camera
     }
 }
 
-// Those that this program makes. Says in the summary how.
-void add_own(const MatteJob& job, const std::vector<Rig>& rigs, const std::vector<CameraShots>& cameras, uint64_t total,
-             MatteFiles& files, MatteSummary& summary, const MatteProgress& progress) {
+// The background of each camera. Says in the summary which are plates. Nothing where the caller stopped it.
+std::optional<std::vector<CameraBackground>> find_backgrounds(const std::vector<CameraShots>& cameras, uint64_t total,
+                                                              MatteSummary& summary, const MatteProgress& progress) {
     std::vector<CameraBackground> backgrounds;
     for (const CameraShots& camera : cameras) {
-        if (progress && !progress(0, total)) return;
+        if (progress && !progress(0, total)) return {};
         backgrounds.push_back(background_of(camera));
         summary.cameras_with_plate += backgrounds.back().is_clean;
         if (!backgrounds.back().wrong_plate.empty()) summary.wrong_plates.push_back(backgrounds.back().wrong_plate);
     }
+    return backgrounds;
+}
+
+// Those of a network.
+void add_network(const MatteJob& job, const std::vector<Rig>& rigs, const std::vector<CameraShots>& cameras,
+                 uint64_t total, MatteFiles& files, MatteSummary& summary, const MatteProgress& progress) {
+    MatteNetwork network(job.model);
+    std::optional<std::vector<CameraBackground>> backgrounds(std::in_place);
+    if (network.wants_plate()) backgrounds = find_backgrounds(cameras, total, summary, progress);
+    if (!backgrounds) return;
+    Note why;  // the cameras are not compared, where they are too few
+    const auto box = figure_box(rigs, cameras, why);
+    summary.agreements = add_network_mattes(network, cameras, *backgrounds, box, files, progress)
+                             .value_or(std::vector<CameraAgreement>());
+}
+
+// Those that this program makes. Says in the summary how.
+void add_own(const MatteJob& job, const std::vector<Rig>& rigs, const std::vector<CameraShots>& cameras, uint64_t total,
+             MatteFiles& files, MatteSummary& summary, const MatteProgress& progress) {
+    std::optional<std::vector<CameraBackground>> backgrounds = find_backgrounds(cameras, total, summary, progress);
+    if (!backgrounds) return;
     if (const auto box = job.alone ? std::nullopt : figure_box(rigs, cameras, summary.alone))
-        summary.agreements = add_figure_mattes(cameras, std::move(backgrounds), *box, job.settings, files, progress)
+        summary.agreements = add_figure_mattes(cameras, std::move(*backgrounds), *box, job.settings, files, progress)
                                  .value_or(std::vector<CameraAgreement>());
     else
-        add_differences(job, cameras, backgrounds, total, files, progress);
+        add_differences(job, cameras, *backgrounds, total, files, progress);
 }
 
 }  // namespace
@@ -120,10 +142,12 @@ MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress) {
     uint64_t total = 0;
     for (const CameraShots& camera : cameras) total += camera.shots.size();
     MatteFiles files(job.output);
-    if (job.from.empty())
-        add_own(job, splits.rigs, cameras, total, files, summary, progress);
-    else
+    if (!job.model.empty())
+        add_network(job, splits.rigs, cameras, total, files, summary, progress);
+    else if (!job.from.empty())
         add_brought(job, splits.rigs, cameras, total, files, progress);
+    else
+        add_own(job, splits.rigs, cameras, total, files, summary, progress);
     std::vector<std::string> worst;
     for (const CameraAgreement& agreement : summary.agreements) worst.push_back(agreement.camera);
     files.write_sheet(worst);

@@ -15,7 +15,8 @@ namespace neuvv::training {
 struct MatteJob {
     std::filesystem::path dataset, output;  // output: the folder of the mattes
     std::filesystem::path from;             // mattes of another program (brought_mattes.h); empty: they are made
-    bool inverted = false;                  // whether those are black where the performer is
+    std::filesystem::path model;            // an ONNX file of a network that makes them (matte_model.h), or empty
+    bool inverted = false;                  // whether those of `from` are black where the performer is
     bool alone = false;                     // whether each image is judged by itself even where there are many cameras
     std::string format = "auto";            // of the data set
     MatteSettings settings;
@@ -37,11 +38,12 @@ struct MatteSummary {
 // its clean plate, else the median of its images. With kMinFigureCameras and more, all cameras are looked at together
 // (figure_search.h); else each matte is an image's difference from its background.
 //
-// The value of a matte in `from` is its alpha where it has one, else its brightness.
+// The value of a matte in `from` is its alpha where it has one, else its brightness. A network gets the background
+// where it wants a plate, and sees each camera's images in order.
 //
 // Throws InputError where neither split can be read, where a camera has no plate and fewer than kMinMedianFrames
-// images, where two images have one name, where find_brought_mattes does, and where a matte in `from` has not the size
-// of its image; RuntimeFailure where a file cannot be written.
+// images, where two images have one name, where find_brought_mattes or MatteNetwork does, and where a matte in `from`
+// has not the size of its image; RuntimeFailure where a file cannot be written.
 MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress);
 
 // How many images have a matte in `output` already, perhaps corrected by hand. Throws InputError where neither split

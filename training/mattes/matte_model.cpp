@@ -15,7 +15,7 @@ using motion::OnnxFile;
 using motion::OnnxValue;
 
 constexpr std::array<float, 3> kImageNetMean{0.485f, 0.456f, 0.406f}, kImageNetDeviation{0.229f, 0.224f, 0.225f};
-constexpr std::array<float, 3> kHalf{0.5f, 0.5f, 0.5f};
+constexpr std::array<float, 3> kMiddleGrey{0.5f, 0.5f, 0.5f};
 
 // The first that fits counts.
 const std::vector<MatteFamily> kFamilies = {
@@ -45,15 +45,15 @@ const std::vector<MatteFamily> kFamilies = {
      .alpha = {},
      .size = SeenSize::kSquare,
      .side = 1024,
-     .mean = kHalf},
+     .mean = kMiddleGrey},
     {.name = "MODNet",
      .image = {"input"},
      .alpha = {"output"},
      .size = SeenSize::kShorter,
      .side = 512,
      .multiple = 32,
-     .mean = kHalf,
-     .deviation = kHalf},
+     .mean = kMiddleGrey,
+     .deviation = kMiddleGrey},
 };
 
 // What is assumed of a network that nobody knows.
