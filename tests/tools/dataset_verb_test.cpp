@@ -5,6 +5,7 @@
 
 #include "support/armed_figure.h"
 #include "support/colmap_files.h"
+#include "support/matte_networks.h"
 #include "support/rig_pixel.h"
 #include "support/sphere_capture.h"
 #include "tests/tools/run_neuvv.h"
@@ -221,6 +222,44 @@ TEST_F(DatasetVerb, MattesAreReplacedAllOrNone) {
         if (entry.path().stem() != "contact_sheet") white += media::read_png(entry.path()).at(0, 0)[0] == 255;
     }
     EXPECT_EQ(white, 9u) << "those of before";
+}
+
+// The images are of one grey, which a network takes for the performer or for nothing.
+TEST_F(DatasetVerb, MattesAreMadeByANetwork) {
+    write_colmap_capture();
+    const std::filesystem::path data = folder.path / "data", mattes = data / "mattes";
+    const std::string onnx = (folder.path / "grey.onnx").string();
+    const std::vector<std::string> command{"matte", data.string(), "--model", onnx};
+    const auto with = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words = command;
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    };
+    expect_refused(command, 2, {"grey.onnx"});
+    const auto one_matte = [&] { return int{*media::read_png(mattes / "eye0_0.png").at(9, 9)}; };
+    // MODNet's networks see 0.004 of the grey 128.
+    write_text(onnx, test::onnx_of({.size = {1, 3, 48, 64}, .image = "input", .alpha = "output", .bias = 0.8f}));
+    const ProgramResult made = run_neuvv(command);
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_NE(made.err.find("grey.onnx: MODNet"), std::string::npos) << made.err;
+    EXPECT_NE(made.out.find("wrote 9 mattes of 9 cameras"), std::string::npos) << made.out;
+    EXPECT_EQ(one_matte(), 205);
+    expect_refused(command, 2, {"holds mattes", "--overwrite"});
+
+    write_text(onnx, test::onnx_of({.size = {1, 3, 48, 64}, .weight = 0}));
+    const ProgramResult none = run_neuvv(with({"--overwrite"}));
+    EXPECT_EQ(none.code, 2);
+    EXPECT_NE(none.err.find("grey.onnx: no network that is known"), std::string::npos) << none.err;
+    EXPECT_NE(none.err.find("no matte shows anything"), std::string::npos) << none.err;
+    EXPECT_EQ(none.err.find("--threshold"), std::string::npos) << none.err;
+    EXPECT_EQ(one_matte(), 205) << "those of before";
+
+    write_text(onnx, test::onnx_of({.size = {1, 4, 48, 64}}));
+    expect_refused(with({"--overwrite"}), 2, {"grey.onnx", "picture 1×4×48×64", "Robust Video Matting"});
+    expect_refused(with({"--from", data.string()}), 2, {"--from", "--model"});
+    expect_refused(with({"--threshold", "9"}), 2, {"--threshold", "--model"});
+    expect_refused(with({"--alone"}), 2, {"--alone", "--model"});
+    expect_refused(with({"--invert"}), 2, {"--invert", "--from"});
 }
 
 TEST_F(DatasetVerb, TheImagesOfAPhoneAreSaidToBeAStill) {

@@ -20,10 +20,30 @@
 #include "training/data/layouts/formats.h"
 #include "training/data/matte_sources.h"
 #include "training/mattes/make_mattes.h"
+#include "training/mattes/matte_model.h"
 
 namespace neuvv::tools {
 
 namespace {
+
+constexpr const char* kMatteFooter = R"(
+The background of a camera is its clean plate (plates/CAMERA.png, or a video there), or else, per pixel, the median of
+up to 31 of its images: right where the performer stands for less than half of the clip. With five cameras and more,
+what one camera lacks is taken from the others, and what it alone sees is left out. Each matte is an 8-bit grey PNG
+named after its image; correct those that are wrong in any image editor: `neuvv train` and `eval` read them.
+OUTPUT/contact_sheet.png shows image, matte, and the performer over magenta, worst cameras first.
+
+--model runs a network with OpenCV, on the processor, and keeps its soft alpha. Networks are known by the names and
+sizes of their inputs and outputs; any other sees RGB of 0 to 1. Robust Video Matting sees each camera's images in
+order, and remembers; Background Matting V2 also sees the camera's background. OpenCV 4.6 opens few files that leave
+sizes open: export those with fixed sizes, Robust Video Matting with a fixed downsample_ratio, too. NeuVV comes with no
+network. A network is a program: use only those that you trust.
+
+Examples:
+  neuvv matte studio
+  neuvv matte studio --threshold 20 --overwrite
+  neuvv matte studio --model rvm_mobilenetv3.onnx
+  neuvv matte studio --from rotoscoped)";
 
 // Throws InputError where mattes, which have the names of images, would take the place of images or of other mattes.
 void expect_other_folder(const training::MatteJob& what) {
@@ -74,6 +94,25 @@ void tell_findings(const training::MatteSummary& made) {
     }
 }
 
+// What to do where no matte shows anybody.
+const char* remedy_of_nothing(const training::MatteJob& what) {
+    if (!what.model.empty()) return "export the network anew, or use another one";
+    return what.from.empty() ? "lower --threshold, or give clean plates" : "--invert takes black for white";
+}
+
+void tell_white_borders(const training::MatteJob& what) {
+    const char* advice = what.from.empty() ? "look at them before you train"
+                         : what.inverted   ? "leave --invert out if it is"
+                                           : "add --invert if it is";
+    say("these mattes are white along the borders of the images, as if white were the background: {}\n", advice);
+}
+
+// Says which network it is, before it takes minutes. Throws InputError where it is none of mattes.
+void tell_model(const std::filesystem::path& model) {
+    const motion::OnnxFile onnx = motion::read_onnx_file(model);
+    say("{}\n", training::text_of(training::find_matte_model(onnx), onnx));
+}
+
 void run_matte(MatteOptions options) {
     training::MatteJob& what = options.what;
     if (what.output.empty()) what.output = what.dataset / "mattes";
@@ -82,6 +121,7 @@ void run_matte(MatteOptions options) {
         throw InputError(what.output.string(), "", "holds mattes of this data set already, perhaps corrected by hand",
                          "--overwrite replaces them");
     if (!options.overrule) expect_no_mattes(what);
+    if (!what.model.empty()) tell_model(what.model);
     const UnfinishedFiles unfinished(what.output);
     const std::filesystem::path output = std::exchange(what.output, unfinished.path());
     catch_stop_signals();
@@ -94,19 +134,15 @@ void run_matte(MatteOptions options) {
     progress.finish();
     if (stop_requested()) throw RuntimeFailure("stopped before the end; the mattes are as they were before");
     if (!made.shows_performer)
-        throw InputError(
-            what.from.empty() ? what.dataset.string() : what.from.string(), "",
-            "no matte shows anything of a performer, so none was written",
-            what.from.empty() ? "lower --threshold, or give clean plates" : "--invert takes black for white");
+        throw InputError(what.from.empty() ? what.dataset.string() : what.from.string(), "",
+                         "no matte shows anything of a performer, so none was written", remedy_of_nothing(what));
     unfinished.finish();
     if (!made.missing_split.empty())
         say("one split alone has mattes now, the other cannot be read: {}\n", message_of(made.missing_split));
     tell_findings(made);
     tell("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",
          made.images, made.cameras, made.cameras_with_plate, output.string());
-    if (made.white_borders > 0.5)
-        say("these mattes are white along the borders of the images, as if white were the background: {}\n",
-            what.inverted ? "leave --invert out if it is" : "add --invert if it is");
+    if (made.white_borders > 0.5) tell_white_borders(what);
 }
 
 }  // namespace
@@ -118,35 +154,29 @@ void add_matte(Command app, CommonOptions&) {
     verb.add_option("dataset", what.dataset, "The data set's folder (see training/data/layouts/README.md)").required();
     add_format_option(verb, what.format);
     verb.add_option("-o,--output", what.output, "Folder of the mattes (default: DATASET/mattes, where training looks)");
+    Option model = verb.add_option("--model", what.model,
+                                   "Let a network make them, .onnx: of Robust Video Matting, Background Matting V2, "
+                                   "BiRefNet, U²-Net, IS-Net, MODNet, or any that gives the alpha of one image");
     Option from =
         verb.add_option("--from", what.from,
                         "Take the mattes of another program instead (alpha, or else brightness): .png or .jpg named "
-                        "as the images, in folders by camera or not, or a video CAMERA.mov, .webm, .mkv or .mp4");
+                        "as the images, in folders by camera or not, or a video CAMERA.mov, .webm, .mkv or .mp4")
+            .excludes(model);
     verb.add_flag("--invert", what.inverted, "They are black where the performer is").needs(from);
     verb.add_option("--threshold", what.settings.threshold,
                     "What differs from the background by so many times the camera's noise is the performer")
         .number_between(1, 250)
         .show_default()
-        .excludes(from);
+        .excludes(from)
+        .excludes(model);
     verb.add_flag("--alone", what.alone,
                   "Judge each image by its camera's background alone, not by what the other cameras see, too")
-        .excludes(from);
+        .excludes(from)
+        .excludes(model);
     verb.add_flag(
         "--overrule", options->overrule,
         "Make mattes even of a data set that has masks, or images with an alpha: what is made counts instead");
-    verb.footer(
-        {"The background of a camera is its clean plate (plates/CAMERA.png, or a video there), or else, per pixel, the "
-         "median of up to 31 of its images:\n"
-         "right where the performer stands for less than half of the clip. With five cameras and more, what one "
-         "camera\n"
-         "lacks is taken from the others, and what it alone sees is left out. Each matte is an 8-bit grey PNG named "
-         "after its\n"
-         "image; correct those that are wrong in any image editor: `neuvv train` and `eval` read them. OUTPUT/\n"
-         "contact_sheet.png shows image, matte, and the performer over magenta, worst cameras first.\n\n"
-         "Examples:\n"
-         "  neuvv matte studio\n"
-         "  neuvv matte studio --threshold 20 --overwrite\n"
-         "  neuvv matte studio --from rotoscoped"});
+    verb.footer({kMatteFooter});
     verb.callback([options] { run_matte(*options); });
 }
 
