@@ -49,6 +49,7 @@ training::RunState some_run() {
             .elapsed_s = 12.5,
             .other_s = 3.25,
             .rays = 3e12,
+            .squared_error = 0.0625,
             .minutes = 0.25,
             .steps = 0,
             .tiles_per_step = 300,
@@ -121,6 +122,7 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.elapsed_s, run.elapsed_s);
     EXPECT_EQ(loaded.run.other_s, run.other_s);
     EXPECT_EQ(loaded.run.rays, run.rays);
+    EXPECT_EQ(loaded.run.squared_error, run.squared_error);
     EXPECT_EQ(loaded.run.minutes, run.minutes);
     EXPECT_EQ(loaded.run.steps, run.steps);
     EXPECT_EQ(loaded.run.tiles_per_step, run.tiles_per_step);
@@ -381,6 +383,10 @@ TEST(CheckpointFile, RefusesARunOutOfRange) {
     };
     put(good);
     EXPECT_EQ(training::load_checkpoint(file.nvv).run.max_depth, 4u);
+    nlohmann::json wrong_error = good;  // older programs did not write it
+    wrong_error["squared_error"] = -1;
+    put(wrong_error);
+    file.refused({"scene.nvv.state", "run0"});
     const std::pair<const char*, nlohmann::json> kBad[] = {{"max_depth", 0},
                                                            {"max_depth", 5},  // the tree has four levels
                                                            {"max_depth", 999},

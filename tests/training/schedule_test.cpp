@@ -39,6 +39,14 @@ TEST(Schedule, LongRunsEndWithLowerRates) {
     EXPECT_EQ(numbers_of(training::learning_rates(0, 1e9)), numbers_of(training::learning_rates(0, 0)));
 }
 
+TEST(Schedule, OpacityIsSmootherWhereImagesAgreeLess) {
+    const double least = training::kSmoothedError;
+    EXPECT_EQ(training::smoothness_factor(0), 1);
+    EXPECT_EQ(training::smoothness_factor(least), 1);
+    EXPECT_FLOAT_EQ(training::smoothness_factor(3 * least), 3);
+    EXPECT_FLOAT_EQ(training::smoothness_factor(1), static_cast<float>(training::kMostSmoothing));
+}
+
 TEST(Schedule, StagesBeginInOrder) {
     EXPECT_EQ(training::kPhases[0].begins, 0);
     for (uint32_t i = 1; i < training::kPhaseCount; ++i)

@@ -213,6 +213,7 @@ voctree::NvvChunk run_chunk(const RunState& run) {
                            {"elapsed_s", run.elapsed_s},
                            {"other_s", run.other_s},
                            {"rays", run.rays},
+                           {"squared_error", run.squared_error},
                            {"minutes", run.minutes},
                            {"steps", run.steps},
                            {"tiles_per_step", run.tiles_per_step},
@@ -251,6 +252,7 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         json.at("elapsed_s").get_to(run.elapsed_s);
         json.at("other_s").get_to(run.other_s);
         json.at("rays").get_to(run.rays);
+        run.squared_error = json.value("squared_error", 0.0);
         json.at("minutes").get_to(run.minutes);
         read_count(json, "steps", run.steps);
         read_count(json, "tiles_per_step", run.tiles_per_step, kMaxTilesPerStep);
@@ -262,7 +264,8 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         throw InputError(path.string(), "chunk run0", fmt::format("holds a number out of range: \"{}\"", key.what()),
                          Remedy::kTrainAnew);
     }
-    std::vector<double> amounts{run.elapsed_s, run.other_s, run.elapsed_s - run.other_s, run.rays, run.minutes};
+    std::vector<double> amounts{run.elapsed_s, run.other_s, run.elapsed_s - run.other_s,
+                                run.rays,      run.minutes, run.squared_error};
     for (const NamedLossWeight& one : kLossWeights) amounts.push_back(double{run.weights.*one.weight});
     for (const double amount : amounts)
         if (!(amount >= 0) || !std::isfinite(amount))

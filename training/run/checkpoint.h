@@ -29,7 +29,8 @@ struct RunState {
     double elapsed_s = 0;
     double other_s = 0;  // of elapsed_s: what was no step, but checkpoints, changes of the tree and reports
     double rays = 0;
-    double minutes = 0;  // the run's budget in minutes or in steps; one of the two is 0
+    double squared_error = 0;  // of a colour channel, a running mean; 0 before the first step
+    double minutes = 0;        // the run's budget in minutes or in steps; one of the two is 0
     uint64_t steps = 0;
     uint32_t tiles_per_step = 512;
     LossWeights weights = kLossWeightsWithoutSmoothness;

@@ -26,6 +26,10 @@ LearningRates learning_rates(double progress, double epochs) {
     return rates;
 }
 
+float smoothness_factor(double squared_error) {
+    return static_cast<float>(std::clamp(squared_error / kSmoothedError, 1.0, kMostSmoothing));
+}
+
 float camera_colour_rate(double progress) {
     return falling(progress, 0.01, 0.001);
 }

@@ -83,6 +83,14 @@ constexpr double kSeveralRaysFrom = 0.7;
 constexpr double kSeveralRaysEpochs = 4;
 constexpr uint32_t kSeveralRays = 2;  // along each side of a pixel
 
+// The smoothness of opacity has its weight in the loss where images agree to this squared error of a colour channel,
+// and in proportion more where they agree less, up to so many times: noise, lossy compression and mattes of real images
+// leave ten times the error of rendered ones, and then what single rays say of single leaves is worth less.
+constexpr double kSmoothedError = 5e-4, kMostSmoothing = 16;
+float smoothness_factor(double squared_error);
+// The share of one step in the running mean of that error.
+constexpr double kErrorShare = 0.02;
+
 // How many steps in a row are at the same time; all but the first of them need not slice. Where frames share bases,
 // each step also changes what other frames show, and four steps in a row make those worse: 29.3 → 24.7 dB (RESULTS.md).
 constexpr uint32_t kBatchesPerFrame = 4;

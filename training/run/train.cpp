@@ -277,6 +277,7 @@ StepSettings Run::step_settings(double time) const {
         settings.adam.least_depth = kLeastDepth;
     settings.stop = kTrainingStop;
     settings.weights = run_.weights;
+    settings.weights.smoothness *= smoothness_factor(run_.squared_error);
     settings.colours = !colours_.empty();
     // With as many bases as frames, the first bases can give a leaf any values over time, so they need not learn.
     settings.learn_rows = trained_.tree.bases < trained_.tree.frames && run_.adam_step % kStepsPerRows == 0;
@@ -350,6 +351,8 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         expect_sound(result, settings, trained.time);
         colours_.learn(trained, dataset_.cameras, trained_.step->colour_gradients(), camera_colour_rate(fraction()),
                        run_.step);
+        const double squared_error = result.rgb_loss / 3;
+        run_.squared_error += (run_.squared_error > 0 ? kErrorShare : 1) * (squared_error - run_.squared_error);
         run_.rays += static_cast<double>(result.pixels);
         run_.phase_rays += result.pixels;
         sums_.add(result, settings.weights);
