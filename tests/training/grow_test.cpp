@@ -46,7 +46,7 @@ voctree::VOctree first_tree_of_depth(float optical_depth) {
 }
 
 // Thinner and denser than what counts as hidden where rays do not use it.
-constexpr float kThin = 0.1f, kDense = 0.5f;
+constexpr float kThin = 0.05f, kDense = 0.2f;
 
 // A use in which every frame used every leaf. Opacity sensitivities equal the given maximum weights.
 training::LeafUse use_of(const voctree::VOctree& tree, const std::vector<float>& max_weight) {

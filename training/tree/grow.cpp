@@ -25,7 +25,7 @@ constexpr float kForbiddenOpacity = 0.1f, kInitialOpacity = 0.7f;
 // A leaf that no ray has used, but that has this optical depth over its edge, is not empty: other leaves hide it. It
 // stays, for what hides it may become thinner. Without it bodies are hollow, and a hole in their front shows what is
 // behind them.
-constexpr float kHiddenDepth = 0.3f;
+constexpr float kHiddenDepth = 0.1f;
 constexpr uint32_t kFirstDepth = 4;  // octree depth of the grid with which carving begins
 
 // The ball by which a leaf is carved. That of a coarse leaf encloses it, so that no child is lost. That of a leaf of
