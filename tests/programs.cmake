@@ -24,6 +24,7 @@ neuvv_test(cli_gpu_test GPU
   SOURCES
     tools/cli_capture_test.cpp
     tools/cli_gpu_test.cpp
+    tools/cli_eval_test.cpp
     tools/cli_train_options_test.cpp
     tools/cli_device_test.cpp
     tools/cli_render_test.cpp

@@ -16,6 +16,12 @@
 
 namespace neuvv {
 
+inline size_t count_of(const std::string& text, const std::string& part) {
+    size_t count = 0;
+    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+    return count;
+}
+
 constexpr float kOwnFps = 2;  // an orbit of four frames takes four seconds: eight images
 
 inline voctree::VOctree own_tree() {

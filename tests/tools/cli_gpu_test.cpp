@@ -1,4 +1,4 @@
-// The command line with a device: the files of render and eval, and that a scene compared with itself is perfect.
+// The command line with a device: the files of render and convert, and a training.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -6,7 +6,6 @@
 #include "media/video.h"
 #include "motion/video/triangulate.h"
 #include "stage/stage.h"
-#include "support/edit_image.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
 #include "tests/tools/trace_spans.h"
@@ -16,12 +15,6 @@
 
 namespace neuvv {
 namespace {
-
-size_t count_of(const std::string& text, const std::string& part) {
-    size_t count = 0;
-    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-    return count;
-}
 
 constexpr media::ImageSize kShownSize{64, 48};
 
@@ -149,94 +142,11 @@ TEST_F(CliGpu, AnEmptySceneRenders) {
     EXPECT_EQ(shown(device(), voctree::read_nvv(scene)).rgba, media::Image(kShownSize.width, kShownSize.height).rgba);
 }
 
-TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
-    write_own_data();
-    const training::Dataset dataset = training::load_dataset(folder.path / "data", training::Split::kTest);
-    size_t calls = 0;
-    const training::Evaluation all =
-        training::evaluate(device(), tree, dataset, 1,
-                           [&](size_t view, const media::Image&, const media::Image&, const training::Quality&) {
-                               EXPECT_EQ(view, calls++);
-                               return true;
-                           });
-    EXPECT_EQ(calls, 6u);
-    EXPECT_GT(all.mean.psnr, 40);
-    EXPECT_GT(all.mean.ssim, 0.999);
-    EXPECT_LT(all.mean.mae, 0.001);
-    ASSERT_EQ(all.cameras.size(), 2u);
-    EXPECT_EQ(all.cameras[1].images, 3u);
-
-    voctree::VOctree other = tree;  // proves that the comparison can fail
-    for (float& weight : other.weights) weight = -weight;
-    EXPECT_LT(training::evaluate(device(), other, dataset, 1).mean.psnr, 30);
-    training::Dataset blind = dataset;  // pixels that are ignored do not count
-    for (training::View& view : blind.views) {
-        view.ignored.assign(size_t{view.image.width()} * view.image.height(), true);
-        test::clear_image(view);
-    }
-    EXPECT_EQ(training::evaluate(device(), other, blind, 1).mean.psnr, 99);
-    EXPECT_EQ(training::evaluate(device(), tree, dataset, 1, [](auto...) { return false; }).compared, 1u);
-}
-
-TEST_F(CliGpu, EvalAlignsCamerasThatFitAlready) {
-    write_own_data();
-    const ProgramResult table = run_neuvv({"eval", "--overwrite", scene, file("data"), "--samples", "1", "--align",
-                                           "--json", file("m.json"), "--html", file("page.html")});
-    ASSERT_EQ(table.code, 0) << table.err;
-    const nlohmann::json facts = nlohmann::json::parse(read_text(file("m.json")));
-    EXPECT_LT(facts.at("aligned").at("pixels"), 0.1);
-    EXPECT_NEAR(facts.at("aligned").at("scale"), 1, 1e-3);
-    EXPECT_GT(facts.at("psnr"), 40);
-    EXPECT_NE(table.out.find("cameras moved as one by 0.0"), std::string::npos) << table.out;
-    EXPECT_NE(read_text(file("page.html")).find("cameras moved as one"), std::string::npos);
-}
-
 TEST_F(CliGpu, AnInstantIntoOneImageIsAStill) {
     const ProgramResult result =
         run_neuvv({"render", "--overwrite", scene, "-o", file("still.png"), "--frames", "1.5", "--size", "40x24"});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_EQ(media::read_png(file("still.png")).width, 40u);
-}
-
-TEST_F(CliGpu, EvalWritesNumbersAndImages) {
-    write_own_data();
-    const ProgramResult result =
-        run_neuvv({"eval", "--overwrite", scene, file("data"), "--samples", "1", "--json", file("m.json"), "--images",
-                   file("images"), "--html", file("new/page.html")});
-    ASSERT_EQ(result.code, 0) << result.err;
-    const std::string page = read_text(file("new/page.html"));
-    EXPECT_EQ(count_of(page, "<figure"), 6u);
-    EXPECT_EQ(count_of(page, "src=\"data:image/png;base64,iVBORw0KGgo"), 4u * 6u);
-    EXPECT_NE(page.find("c01_f1"), std::string::npos);
-    EXPECT_NE(result.out.find("PSNR"), std::string::npos);
-    const auto json = nlohmann::json::parse(read_text(file("m.json")));
-    EXPECT_GT(json.at("psnr"), 40);
-    EXPECT_GT(json.at("ssim"), 0.999);
-    EXPECT_LT(json.at("mae"), 0.001);
-    EXPECT_EQ(json.at("file"), scene);
-    EXPECT_EQ(json.at("split"), "test");
-    ASSERT_EQ(json.at("cameras").size(), 2u);
-    EXPECT_EQ(json.at("cameras")[1].at("camera"), 1);
-    EXPECT_EQ(json.at("cameras")[1].at("images"), 3);
-    EXPECT_GT(json.at("cameras")[1].at("psnr"), 40);
-    EXPECT_EQ(json.at("cameras")[1].at("name"), "c01");
-    ASSERT_EQ(json.at("frames").size(), 3u);
-    EXPECT_EQ(json.at("frames")[1].at("time"), 0.5);
-    EXPECT_EQ(json.at("frames")[1].at("images"), 2);
-    EXPECT_LT(json.at("frames")[1].at("flip"), 0.01);
-    ASSERT_EQ(json.at("images").size(), 6u);
-    EXPECT_EQ(json.at("images")[4].at("name"), "c01_f1");
-    for (const char* name : {"c00_f0_truth.png", "c00_f0_render.png", "c01_f2_error.png"}) {
-        const media::Image image = media::read_png(folder.path / "images" / name);
-        EXPECT_EQ(image.width, 48u) << name;
-        EXPECT_EQ(image.height, 40u) << name;
-    }
-    EXPECT_EQ(media::read_png(folder.path / "images" / "contact_sheet.png").width, 3 * 320u);
-    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path / "images"), {}), 3 * 6 + 1);
-
-    const ProgramResult piped =
-        run_neuvv({"eval", "--overwrite", scene, file("data"), "--samples", "1", "--json", "-"});
-    EXPECT_EQ(nlohmann::json::parse(piped.out).at("psnr"), json.at("psnr"));
 }
 
 TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
@@ -359,16 +269,6 @@ TEST_F(CliGpu, TrainBeginsWithPsiAndASpentRunStaysAsItIs) {
     ASSERT_EQ(again.code, 0) << again.err;
     EXPECT_NE(again.out.find("spent"), std::string::npos) << again.out;
     EXPECT_EQ(read_text(file("m.jsonl")), metrics);
-}
-
-TEST_F(CliGpu, EvalRefusesUnwritableOutputsBeforeItStarts) {
-    write_own_data();
-    write_text(file("wall"), "a file where a folder should be");
-    for (const char* option : {"--json", "--html", "--images"})
-        expect_refused({"eval", scene, file("data"), option, file("wall/out")}, 2, {option, "wall"});
-    const ProgramResult per_frame =
-        run_neuvv({"eval", "--overwrite", scene, file("data"), "--samples", "1", "--per", "frame"});
-    EXPECT_EQ(count_of(per_frame.out, "\n"), 1u + 3u + 1u + 1u) << "frames, their mean, flicker: " << per_frame.out;
 }
 
 TEST_F(CliGpu, AnUnwritablePlaceIsBadInput) {

@@ -37,7 +37,7 @@ struct EvalPage : testing::Test {
     std::string page(const std::vector<size_t>& views) const {
         std::vector<tools::PageImage> images;
         for (const size_t view : views) {
-            const media::Image truth = training::truth_over_white(dataset, dataset.views[view]);
+            const media::Image truth = training::truth_over(dataset, dataset.views[view]);
             media::Image render = truth;
             render.at(3, 3)[1] = 0;
             images.push_back({view, truth, render});
@@ -83,7 +83,7 @@ TEST_F(EvalPage, ImagesSurviveTheirEncoding) {
     }
     EXPECT_EQ((end - begin) % 4, 0u);
     EXPECT_EQ(media::decode_image(bytes.data(), bytes.size(), "truth").rgba,
-              training::truth_over_white(dataset, dataset.views[0]).rgba);
+              training::truth_over(dataset, dataset.views[0]).rgba);
 }
 
 TEST_F(EvalPage, HostileNamesStayText) {

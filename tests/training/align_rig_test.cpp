@@ -66,7 +66,7 @@ TEST_F(AlignRigTest, ARigThatHasMovedComesBack) {
     const training::RigMotion spoilt{{0.02, -0.015, 0.01}, {0.02, 0.03, -0.025}, 0.015};
     double before = 0, after = 0;
     for (stage::Camera& camera : rendered.dataset.cameras) camera = training::moved(camera, spoilt, {0.1, 0, 0.2});
-    const double psnr_before = training::evaluate(device(), rendered.clip, rendered.dataset, 2).mean.psnr;
+    const double psnr_before = training::evaluate(device(), rendered.clip, rendered.dataset, {.samples = 2}).mean.psnr;
     const training::RigAlignment found = align(rendered);
     for (size_t i = 0; i < truth.size(); ++i) {
         stage::Camera& camera = rendered.dataset.cameras[i];
@@ -77,7 +77,7 @@ TEST_F(AlignRigTest, ARigThatHasMovedComesBack) {
     EXPECT_GT(before, 1);
     EXPECT_GT(found.motion_px, 0.5);
     EXPECT_LT(after, 0.15);
-    EXPECT_GT(training::evaluate(device(), rendered.clip, rendered.dataset, 2).mean.psnr, psnr_before + 6);
+    EXPECT_GT(training::evaluate(device(), rendered.clip, rendered.dataset, {.samples = 2}).mean.psnr, psnr_before + 6);
 }
 
 TEST_F(AlignRigTest, ARigThatFitsStays) {

@@ -312,7 +312,7 @@ TEST_F(DatasetTest, ForegroundWithoutAPlateIsStraightAlpha) {
     EXPECT_FLOAT_EQ(half.r, alpha * linear(120));
     EXPECT_FLOAT_EQ(half.g, alpha * linear(40));
     EXPECT_FLOAT_EQ(half.b, alpha * linear(80));
-    const media::Image truth = training::truth_over_white(data, view);  // blends encoded values, as image viewers do
+    const media::Image truth = training::truth_over(data, view);  // blends encoded values, as image viewers do
     EXPECT_NEAR(truth.at(1, 2)[0], 120 * alpha + 255 * (1 - alpha), 0.51);
     EXPECT_EQ(truth.at(3, 0)[0], 255);
 }
@@ -345,8 +345,8 @@ TEST_F(DatasetTest, APlateIsTakenOutOfTheImage) {
     EXPECT_EQ(data.plates[0].width, 0u);
     EXPECT_EQ(data.plates[1].rgba, plate.rgba);
     for (size_t i = 0; i < data.views.size(); ++i) {
-        const media::Image expected = training::truth_over_white(clear, clear.views[i]),
-                           truth = training::truth_over_white(data, data.views[i]);
+        const media::Image expected = training::truth_over(clear, clear.views[i]),
+                           truth = training::truth_over(data, data.views[i]);
         for (size_t b = 0; b < truth.rgba.size(); ++b) ASSERT_NEAR(truth.rgba[b], expected.rgba[b], 2) << i << " " << b;
     }
 

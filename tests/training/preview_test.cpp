@@ -34,12 +34,12 @@ TEST_F(PreviewTest, ShowsTruthRenderAndErrorSideBySide) {
         for (uint32_t y = 0; y < 40; ++y) std::copy_n(image.at(40 * index, y), 160, column.at(0, y));
         return column;
     };
-    const media::Image truth = training::truth_over_white(dataset, dataset.views[0]);
+    const media::Image truth = training::truth_over(dataset, dataset.views[0]);
     EXPECT_EQ(part(0).rgba, truth.rgba);
     EXPECT_EQ(part(2).rgba, training::error_image(truth, part(1)).rgba);
     EXPECT_EQ(training::compare(truth, part(1)).psnr, quality.psnr);
-    const training::Evaluation evaluation =
-        training::evaluate(device(), tree, dataset, 2);  // of the same view, with weights in half precision
+    const training::Evaluation evaluation = training::evaluate(
+        device(), tree, dataset, {.samples = 2});  // of the same view, with weights in half precision
     EXPECT_NEAR(evaluation.views[0].psnr, quality.psnr, 0.1);
     EXPECT_LT(quality.psnr, 30) << "a random tree is no sphere";
 }

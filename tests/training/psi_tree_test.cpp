@@ -129,8 +129,8 @@ TEST_F(PsiTreeTest, ARunBeginsWithWhatTheNetworkLearnt) {
     EXPECT_LT(late, 0.6 * early);
     EXPECT_EQ(voctree::defect_of(learnt), "");
     EXPECT_LE(learnt.leaf_count, fog.leaf_count);
-    const double learnt_psnr = training::evaluate(device(), learnt, still, 1).mean.psnr;
-    EXPECT_GT(learnt_psnr, training::evaluate(device(), fog, still, 1).mean.psnr + 2);
+    const double learnt_psnr = training::evaluate(device(), learnt, still, {.samples = 1}).mean.psnr;
+    EXPECT_GT(learnt_psnr, training::evaluate(device(), fog, still, {.samples = 1}).mean.psnr + 2);
 
     // A training run can begin with this tree.
     training::TrainSettings settings;
@@ -140,7 +140,7 @@ TEST_F(PsiTreeTest, ARunBeginsWithWhatTheNetworkLearnt) {
     const TemporaryFolder folder;
     training::train(device(), still, settings, folder.path / "run.nvv",
                     [](const training::TrainProgress&) { return true; });
-    EXPECT_GT(training::evaluate(device(), voctree::read_nvv(folder.path / "run.nvv"), still, 1).mean.psnr,
+    EXPECT_GT(training::evaluate(device(), voctree::read_nvv(folder.path / "run.nvv"), still, {.samples = 1}).mean.psnr,
               learnt_psnr);
 }
 

@@ -39,13 +39,20 @@ namespace {
 constexpr uint32_t kMeasureSamples = 4;
 constexpr size_t kSheetRows = 8, kPageImages = 12;
 constexpr uint32_t kComparisonCell = 320;
+constexpr uint8_t kBlack[3] = {};
 
 const std::map<std::string, training::Split> kSplits = {
     {"test", training::Split::kTest}, {"train", training::Split::kTrain}, {"val", training::Split::kVal}};
 
+const std::map<std::string, const uint8_t*> kBackgrounds = {{"white", media::kWhite}, {"black", kBlack}};
+
+const std::map<std::string, training::ComparedPart> kCrops = {{"none", training::ComparedPart::kImage},
+                                                              {"rectangle", training::ComparedPart::kRectangle},
+                                                              {"matte", training::ComparedPart::kMatte}};
+
 struct EvalOptions {
     std::string scene, dataset, format = training::kAnyFormat, holdout, split = "test", json, images, html,
-                                per = "camera", lpips;
+                                per = "camera", background = "white", crop = "none", lpips;
     uint32_t samples = kMeasureSamples;
     bool align = false;
     std::optional<voctree::UpAxis> up;
@@ -75,6 +82,8 @@ nlohmann::ordered_json json_of(const EvalOptions& options, const training::Datas
     json["dataset"] = options.dataset;
     json["split"] = options.split;
     json["samples"] = options.samples;
+    json["background"] = options.background;
+    json["crop"] = options.crop;
     json["cameras"] = json["frames"] = json["images"] = nlohmann::ordered_json::array();
     const std::vector<std::string> labels = training::camera_labels(dataset);
     for (size_t i = 0; i < evaluation.cameras.size(); ++i)
@@ -206,6 +215,16 @@ nlohmann::ordered_json json_of(const training::RigAlignment& alignment) {
             {"centre", {alignment.centre.x, alignment.centre.y, alignment.centre.z}}};
 }
 
+double distance(const training::Lpips& network, const training::View& view, training::ComparedPart part,
+                const media::Image& truth, const media::Image& render) {
+    return network.distance(training::compared_part(truth, view, part), training::compared_part(render, view, part));
+}
+
+PageFacts page_facts(const EvalOptions& options, const std::string& device, const std::string& note) {
+    const std::string part = options.crop == "none" ? "" : ", the rectangle around the matte";
+    return {options.scene, options.dataset, options.split, device, "over " + options.background + part, note};
+}
+
 // Throws InputError, before any work is done, where a result could not be written.
 void prepare_outputs(const EvalOptions& options) {
     if (!options.json.empty() && options.json != "-") prepare_result("--json", options.json, kJsonEnding);
@@ -237,7 +256,9 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     std::vector<double> lpips(network ? dataset.views.size() : 0);
     ImageFolder folder{options.images, training::spread_views(dataset, kSheetRows)};
     PageCollector page{training::spread_views(dataset, kPageImages)};
-    training::FlickerMeter meter(dataset.cameras.size(), dataset.times.size());
+    const training::CompareSettings settings{options.samples, kCrops.at(options.crop),
+                                             kBackgrounds.at(options.background)};
+    training::FlickerMeter meter(dataset.cameras.size(), dataset.times.size(), settings.background);
     const gpu::Device device(common.device);
     catch_stop_signals();
     std::optional<training::RigAlignment> alignment;
@@ -249,18 +270,17 @@ void run(const EvalOptions& options, const CommonOptions& common) {
         if (!options.images.empty()) folder.add(view, dataset.views[view].name, truth, render);
         if (!options.html.empty()) page.add(view, truth, render, quality.psnr);
         meter.add(dataset.views[view].camera, training::frame_of_view(dataset, dataset.views[view]), truth, render);
-        if (network) lpips[view] = network->distance(truth, render);
+        if (network) lpips[view] = distance(*network, dataset.views[view], settings.part, truth, render);
         progress.update(++compared, fmt::format("{:.2f} dB", quality.psnr));
         return !stop_requested();
     };
-    const training::Evaluation evaluation = training::evaluate(device, clip, dataset, options.samples, done);
+    const training::Evaluation evaluation = training::evaluate(device, clip, dataset, settings, done);
     progress.finish();
     if (evaluation.compared < dataset.views.size()) throw RuntimeFailure("stopped before the end; no means are given");
     if (!options.images.empty()) folder.finish();
     if (!options.html.empty()) {
         page.finish();
-        const PageFacts facts{options.scene, options.dataset, options.split, device.summary().name,
-                              alignment ? text_of(*alignment) : ""};
+        const PageFacts facts = page_facts(options, device.summary().name, alignment ? text_of(*alignment) : "");
         write_text_file(options.html, comparison_page(facts, dataset, evaluation, page.images));
     }
     const auto flicker = meter.summary(clip.frames() == dataset.times.size() ? cuts_of(clip) : std::vector<size_t>());
@@ -298,6 +318,14 @@ void add_eval(Command app, CommonOptions& common) {
     verb.add_option("--html", options->html,
                     "Write one page to this file that opens in any browser: images to slide over each other or to "
                     "blink between, curves over the clip, all numbers");
+    verb.add_option("--background", options->background, "What is behind truth and render")
+        .one_of({"white", "black"})
+        .show_default();
+    verb.add_option("--crop", options->crop,
+                    "Compare a part of each image alone. rectangle: the smallest that holds the truth's matte; matte: "
+                    "the same, and PSNR of the matte's pixels alone")
+        .one_of({"none", "rectangle", "matte"})
+        .show_default();
     verb.add_option("--per", options->per, "What a row of the table is: --json and --html hold both")
         .one_of({"camera", "frame"})
         .show_default();
@@ -311,7 +339,8 @@ void add_eval(Command app, CommonOptions& common) {
         "them): the mean, and in --json each image's");
     verb.footer(
         {"Each image is rendered with its own camera, size and time. Truth and render are 8-bit sRGB,\n"
-         "composited over white in encoded values, and compared whole, values scaled to [0,1]:\n"
+         "composited over white (--background) in encoded values, and compared whole (--crop), values\n"
+         "scaled to [0,1]:\n"
          "  PSNR  -10 log10(mean over pixels and R, G, B of the squared error), dB; at most 99\n"
          "  SSIM  Wang et al. 2004: Gaussian window of 11x11, sigma 1.5, K1 0.01, K2 0.03; mean over R, G, B\n"
          "        and the pixels whose whole window lies inside the image\n"

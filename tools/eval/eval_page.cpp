@@ -236,9 +236,9 @@ std::string comparison_page(const PageFacts& facts, const training::Dataset& dat
     page += "<b>";
     for (const Metric& metric : metrics())
         page += fmt::format("{} {:.{}f}{} &ensp;", metric.name, metric.of(evaluation.mean), metric.digits, metric.unit);
-    page +=
-        "</b></p>\n<p>Means over images; 8-bit sRGB over white. Higher PSNR and SSIM, lower MAE and FLIP are "
-        "better. The error image is white from a difference of 0.25.</p>\n<h2>Images</h2>\n";
+    page += "</b></p>\n<p>Means over images; 8-bit sRGB " + html_text(facts.compared) +
+            ". Higher PSNR and SSIM, lower MAE and FLIP are better. The error image is white from a difference of "
+            "0.25.</p>\n<h2>Images</h2>\n";
     page += controls(dataset, evaluation, images);
     for (const PageImage& image : images) page += figure(dataset, evaluation, image);
     page += "<h2>Over the clip</h2>\n<div class=\"plots\">";

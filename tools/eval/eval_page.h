@@ -17,7 +17,8 @@ struct PageImage {
 // What the page says it compares, and the device that rendered.
 struct PageFacts {
     std::string scene, dataset, split, device;
-    std::string note = {};  // a line under the heading; empty: none
+    std::string compared = "over white";  // what of the images, and over what
+    std::string note = {};                // a line under the heading; empty: none
 };
 
 // The page has means, curves over the clip's frames, and tables of cameras, frames and images. Truth, render, error and

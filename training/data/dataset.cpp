@@ -59,8 +59,8 @@ glm::vec4 foreground(const Dataset& dataset, const View& view, uint32_t x, uint3
     return {glm::clamp(premultiplied, 0.0f, alpha), alpha};
 }
 
-media::Image truth_over_white(const Dataset& dataset, const View& view) {
-    if (dataset.plates[view.camera].width == 0) return media::composite_over(view.image.whole(), media::kWhite);
+media::Image truth_over(const Dataset& dataset, const View& view, const uint8_t background[3]) {
+    if (dataset.plates[view.camera].width == 0) return media::composite_over(view.image.whole(), background);
     media::Image clear(view.image.width(), view.image.height());
     for (uint32_t y = 0; y < clear.height; ++y)
         for (uint32_t x = 0; x < clear.width; ++x) {
@@ -71,7 +71,7 @@ media::Image truth_over_white(const Dataset& dataset, const View& view) {
                 pixel[c] = byte_from_unit(media::srgb_from_linear(std::min(1.0, double{light[c]} / double{light.a})));
             pixel[3] = byte_from_unit(double{light.a});
         }
-    return media::composite_over(clear, media::kWhite);
+    return media::composite_over(clear, background);
 }
 
 }  // namespace neuvv::training

@@ -79,7 +79,8 @@ uint64_t image_bytes(const Dataset& dataset);
 // removed.
 glm::vec4 foreground(const Dataset& dataset, const View& view, uint32_t x, uint32_t y);
 
-// The data set's image of a view over white. Where the camera has a clean plate, the captured background is removed.
-media::Image truth_over_white(const Dataset& dataset, const View& view);
+// The data set's image of a view over a background (media::composite_over). Where the camera has a clean plate, the
+// captured background is removed.
+media::Image truth_over(const Dataset& dataset, const View& view, const uint8_t background[3] = media::kWhite);
 
 }  // namespace neuvv::training

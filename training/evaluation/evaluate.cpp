@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "media/psnr.h"
 #include "render/clips/shown_segments.h"
 #include "render/frame/frame_renderer.h"
 #include "training/data/layouts/rig/camera_names.h"
@@ -36,23 +37,23 @@ void divide(std::vector<Evaluation::Group>& groups) {
     for (Evaluation::Group& group : groups) group.quality = divided(group.quality, group.images);
 }
 
-// Ignored pixels are white in both images, as nothing is known about them.
-void whiten_ignored(const View& view, media::Image& image) {
+// Ignored pixels show the background in both images, as nothing is known about them.
+void clear_ignored(const View& view, media::Image& image, const uint8_t background[3]) {
     for (uint32_t y = 0; y < image.height && !view.ignored.empty(); ++y)
         for (uint32_t x = 0; x < image.width; ++x)
-            if (view.ignores(x, y)) std::copy(media::kWhite, media::kWhite + 3, image.at(x, y));
+            if (view.ignores(x, y)) std::copy(background, background + 3, image.at(x, y));
 }
 
 // Compares views with renders, and sums what it finds.
 class Comparison {
   public:
-    Comparison(const Dataset& dataset, uint32_t samples, const ViewCallback& done)
-        : dataset_(dataset), samples_(samples), done_(done) {
+    Comparison(const Dataset& dataset, const CompareSettings& settings, const ViewCallback& done)
+        : dataset_(dataset), settings_(settings), done_(done) {
         for (const stage::Camera& camera : dataset.cameras) {
             capacity_.width = std::max(capacity_.width, camera.width);
             capacity_.height = std::max(capacity_.height, camera.height);
         }
-        capacity_.samples = samples;
+        capacity_.samples = settings.samples;
         sums_.cameras.resize(dataset.cameras.size());
         sums_.frames.resize(dataset.times.size());
         sums_.views.resize(dataset.views.size());
@@ -64,10 +65,10 @@ class Comparison {
     // False where the callback ended it.
     bool add(size_t index, render::FrameRenderer& renderer, std::vector<render::Instance> instances) {
         const View& view = dataset_.views[index];
-        const media::Image render =
-            render_over_white(renderer, dataset_.cameras[view.camera], view, std::move(instances), samples_);
-        const media::Image truth = truth_over_white(dataset_, view);
-        const Quality quality = compare(truth, render);
+        const media::Image render = render_over(renderer, dataset_.cameras[view.camera], view, std::move(instances),
+                                                settings_.samples, settings_.background);
+        const media::Image truth = truth_over(dataset_, view, settings_.background);
+        const Quality quality = compare_part(truth, render, view, settings_.part);
         sums_.views[index] = quality;
         ++sums_.compared;
         training::add(sums_.mean, quality);
@@ -86,7 +87,7 @@ class Comparison {
 
   private:
     const Dataset& dataset_;
-    const uint32_t samples_;
+    const CompareSettings settings_;
     const ViewCallback& done_;
     render::FrameCapacity capacity_{1, 1};
     Evaluation sums_;
@@ -139,22 +140,56 @@ std::vector<size_t> spread_views(const Dataset& dataset, size_t count) {
     return {selected.begin(), selected.end()};
 }
 
-media::Image render_over_white(render::FrameRenderer& renderer, const stage::Camera& camera, const View& view,
-                               std::vector<render::Instance> instances, uint32_t samples) {
+media::Image compared_part(const media::Image& image, const View& view, ComparedPart part) {
+    uint32_t left = image.width, top = image.height, right = 0, bottom = 0;
+    for (uint32_t y = 0; y < image.height && part != ComparedPart::kImage; ++y)
+        for (uint32_t x = 0; x < image.width; ++x) {
+            if (view.image.at(x, y)[3] == 0) continue;
+            left = std::min(left, x);
+            right = std::max(right, x + 1);
+            top = std::min(top, y);
+            bottom = y + 1;
+        }
+    if (right == 0) return image;
+    media::Image result(right - left, bottom - top);
+    for (uint32_t y = top; y < bottom; ++y)
+        std::copy_n(image.at(left, y), size_t{4} * result.width, result.at(0, y - top));
+    return result;
+}
+
+Quality compare_part(const media::Image& truth, const media::Image& render, const View& view, ComparedPart part) {
+    Quality quality = compare(compared_part(truth, view, part), compared_part(render, view, part));
+    if (part != ComparedPart::kMatte) return quality;
+    uint32_t count = 0;
+    view.image.for_each_kept([&](uint32_t, uint32_t, const uint8_t* pixel) { count += pixel[3] > 0; });
+    if (count == 0) return quality;
+    media::Image of_truth(count, 1), of_render(count, 1);  // the matte's pixels side by side
+    uint32_t next = 0;
+    view.image.for_each_kept([&](uint32_t x, uint32_t y, const uint8_t* pixel) {
+        if (pixel[3] == 0) return;
+        std::copy_n(truth.at(x, y), 4, of_truth.at(next, 0));
+        std::copy_n(render.at(x, y), 4, of_render.at(next++, 0));
+    });
+    quality.psnr = media::psnr_db(of_truth, of_render);
+    return quality;
+}
+
+media::Image render_over(render::FrameRenderer& renderer, const stage::Camera& camera, const View& view,
+                         std::vector<render::Instance> instances, uint32_t samples, const uint8_t background[3]) {
     render::FrameSettings settings;
     settings.instances = std::move(instances);
     settings.width = camera.width;
     settings.height = camera.height;
     settings.samples = samples;
     settings.mode = render::TraceMode::kTree;
-    media::Image render = media::composite_over(renderer.render(camera, settings), media::kWhite);
-    whiten_ignored(view, render);
+    media::Image render = media::composite_over(renderer.render(camera, settings), background);
+    clear_ignored(view, render, background);
     return render;
 }
 
-Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, const Dataset& dataset, uint32_t samples,
-                    const ViewCallback& done) {
-    Comparison comparison(dataset, samples, done);
+Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, const Dataset& dataset,
+                    const CompareSettings& settings, const ViewCallback& done) {
+    Comparison comparison(dataset, settings, done);
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     render::FrameRenderer renderer(device, field, comparison.capacity());
     for (size_t i = 0; i < dataset.views.size(); ++i) {
@@ -164,9 +199,9 @@ Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, con
     return comparison.result();
 }
 
-Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset, uint32_t samples,
-                    const ViewCallback& done) {
-    Comparison comparison(dataset, samples, done);
+Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset,
+                    const CompareSettings& settings, const ViewCallback& done) {
+    Comparison comparison(dataset, settings, done);
     render::ShownSegments shown(clip, [&](const voctree::VOctree& tree, uint32_t) {
         return render::upload_field(device, tree, render::WeightPrecision::kHalf);
     });

@@ -7,10 +7,6 @@ namespace neuvv::training {
 
 namespace {
 
-bool is_white(const uint8_t* pixel) {
-    return pixel[0] == 255 && pixel[1] == 255 && pixel[2] == 255;
-}
-
 double median(std::vector<double> values) {
     if (values.empty()) return 0;
     const auto centre = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
@@ -35,8 +31,8 @@ void FlickerMeter::add(size_t camera, size_t frame, const media::Image& truth, c
         Sums& sums = steps_[last->frame];
         for (size_t at = 0; at < truth.rgba.size(); at += 4) {
             const uint8_t *before = &last->truth.rgba[at], *after = &truth.rgba[at];
-            if (is_white(before) && is_white(after)) continue;  // not the performer
             const bool still = std::equal(before, before + 3, after);
+            if (still && std::equal(before, before + 3, background_)) continue;  // not the performer
             for (size_t c = at; c < at + 3; ++c) {
                 const int change = render.rgba[c] - last->render.rgba[c];
                 const int wrong = std::abs(change - (truth.rgba[c] - last->truth.rgba[c]));

@@ -18,9 +18,11 @@ struct FlickerLevels {
 
 class FlickerMeter {
   public:
-    FlickerMeter(size_t cameras, size_t frames) : last_(cameras), steps_(frames > 0 ? frames - 1 : 0) {}
+    // `background`: RGB behind the images.
+    FlickerMeter(size_t cameras, size_t frames, const uint8_t* background = media::kWhite)
+        : background_(background), last_(cameras), steps_(frames > 0 ? frames - 1 : 0) {}
 
-    // Adds both images of a view, over white. Two views of a camera are compared where the second is of the frame that
+    // Adds both images of a view. Two views of a camera are compared where the second is of the frame that
     // follows on that of the first, and nothing of this camera comes in between.
     void add(size_t camera, size_t frame, const media::Image& truth, const media::Image& render);
 
@@ -43,6 +45,7 @@ class FlickerMeter {
         double still = 0, moving = 0;
         uint64_t still_values = 0, moving_values = 0;
     };
+    const uint8_t* background_;
     std::vector<std::optional<Shown>> last_;  // by camera
     std::vector<Sums> steps_;
 };

@@ -1,6 +1,7 @@
 // Image quality against the truth, as the literature on volumetric video measures it.
 //
-// Both images are 8-bit sRGB, composited over white. They are compared as a whole, in encoded values scaled to [0,1].
+// Both images are 8-bit sRGB, composited over one colour. They are compared as a whole, in encoded values scaled to
+// [0,1].
 #pragma once
 
 #include "media/image.h"

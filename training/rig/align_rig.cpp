@@ -70,7 +70,7 @@ std::vector<ComparedView> selected_views(const std::vector<ViewFrame>& views, co
     }
     std::vector<ComparedView> compared;
     for (const size_t i : selected)
-        compared.push_back({views[i].view, views[i].frame, truth_over_white(dataset, dataset.views[views[i].view])});
+        compared.push_back({views[i].view, views[i].frame, truth_over(dataset, dataset.views[views[i].view])});
     return compared;
 }
 
@@ -163,7 +163,7 @@ class Alignment {
     media::Image rendered(const ComparedView& one, const Numbers& numbers) {
         const View& view = dataset_.views[one.view];
         const stage::Camera camera = moved(dataset_.cameras[view.camera], motion_of(numbers), centre_);
-        return render_over_white(*renderer_, camera, view, {{one.frame}}, 1);
+        return render_over(*renderer_, camera, view, {{one.frame}}, 1);
     }
 
     RigAlignment found(const RigMotion& motion) const {

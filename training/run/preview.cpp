@@ -42,10 +42,10 @@ Dataset preview_dataset(const Dataset& dataset) {
 Quality write_preview(const gpu::Device& device, const render::Field& field, const Dataset& dataset,
                       const std::filesystem::path& file) {
     const View& view = dataset.views[0];
-    const media::Image truth = truth_over_white(dataset, view);
+    const media::Image truth = truth_over(dataset, view);
     render::FrameRenderer renderer(device, field, {truth.width, truth.height, kSamples});
     const auto frame = static_cast<float>(frame_of_time(view.time, field.frames));
-    const media::Image render = render_over_white(renderer, dataset.cameras[view.camera], view, {{frame}}, kSamples);
+    const media::Image render = render_over(renderer, dataset.cameras[view.camera], view, {{frame}}, kSamples);
     media::write_png(file, side_by_side({truth, render, error_image(truth, render)}));
     return compare(truth, render);
 }

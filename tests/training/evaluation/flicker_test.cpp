@@ -32,6 +32,16 @@ TEST(Flicker, CountsWhatTheTruthDoesNot) {
     EXPECT_FALSE(meter.summary({0, 1, 2})) << "there is nothing to compare with";
 }
 
+TEST(Flicker, TheBackgroundDoesNotCount) {
+    const uint8_t black[3] = {};
+    for (const bool black_behind : {false, true}) {
+        training::FlickerMeter meter(1, 3, black_behind ? black : media::kWhite);
+        meter.add(0, 0, image_of(10, 0), image_of(10, 0));
+        meter.add(0, 1, image_of(10, 0), image_of(13, 9));
+        EXPECT_DOUBLE_EQ(meter.step(0)->still, black_behind ? 1.5 : 6) << "with the white pixel, or the black one";
+    }
+}
+
 TEST(Flicker, ComparesNeighboursOfACameraAlone) {
     training::FlickerMeter meter(2, 3);
     meter.add(0, 0, image_of(10, 20), image_of(10, 20));

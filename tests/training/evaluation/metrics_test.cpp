@@ -7,6 +7,7 @@
 #include <random>
 
 #include "training/data/contact_sheet.h"
+#include "training/evaluation/evaluate.h"
 #include "training/evaluation/flip.h"
 
 namespace neuvv {
@@ -179,6 +180,50 @@ TEST(Metrics, ContactSheetEnlargesSmallImages) {
     EXPECT_EQ(sheet.at(3, top + 2)[1], 200);
     EXPECT_EQ(sheet.at(0, top - 1)[0], 255);
     EXPECT_EQ(sheet.at(0, top + 3)[0], 255);
+}
+
+// A view of 64×48 pixels whose matte fills columns 10 to 29 and rows 20 to 34, but for the first of its pixels.
+training::View view_with_matte() {
+    media::Image image = filled(64, 48, 0);
+    for (uint32_t y = 20; y < 35; ++y)
+        for (uint32_t x = 10; x < 30; ++x) image.at(x, y)[3] = x == 10 && y == 20 ? 0 : 1;
+    training::View view;
+    view.image = training::TiledImage(image);
+    return view;
+}
+
+TEST(ComparedPart, IsTheRectangleThatHoldsTheMatte) {
+    const training::View view = view_with_matte();
+    const media::Image image = random_image(64, 48, 1);
+    const media::Image part = training::compared_part(image, view, training::ComparedPart::kRectangle);
+    ASSERT_EQ(part.width, 20u);
+    ASSERT_EQ(part.height, 15u);
+    EXPECT_TRUE(std::equal(part.at(0, 0), part.at(0, 0) + 80, image.at(10, 20)));
+    EXPECT_TRUE(std::equal(part.at(0, 14), part.at(0, 14) + 80, image.at(10, 34)));
+    EXPECT_EQ(training::compared_part(image, view, training::ComparedPart::kImage).rgba, image.rgba);
+    training::View empty;
+    empty.image = training::TiledImage(filled(64, 48, 0));
+    EXPECT_EQ(training::compared_part(image, empty, training::ComparedPart::kMatte).rgba, image.rgba);
+}
+
+TEST(ComparedPart, ErrorsOutsideItDoNotCount) {
+    using training::ComparedPart;
+    const training::View view = view_with_matte();
+    const media::Image truth = filled(64, 48, 100);
+    const auto psnr = [&](uint32_t x, uint32_t y, ComparedPart part) {
+        media::Image render = truth;
+        for (int c = 0; c < 3; ++c) render.at(x, y)[c] = 151;  // by a fifth of 255
+        return training::compare_part(truth, render, view, part).psnr;
+    };
+    const auto of_pixels = [](double count) { return -10 * std::log10(0.04 / count); };
+    EXPECT_NEAR(psnr(12, 22, ComparedPart::kImage), of_pixels(64 * 48), 1e-9);
+    EXPECT_NEAR(psnr(12, 22, ComparedPart::kRectangle), of_pixels(20 * 15), 1e-9);
+    EXPECT_NEAR(psnr(12, 22, ComparedPart::kMatte), of_pixels(20 * 15 - 1), 1e-9);
+    EXPECT_NEAR(psnr(10, 20, ComparedPart::kRectangle), of_pixels(20 * 15), 1e-9) << "in the rectangle, not the matte";
+    EXPECT_EQ(psnr(10, 20, ComparedPart::kMatte), 99);
+    EXPECT_EQ(psnr(9, 20, ComparedPart::kRectangle), 99);
+    EXPECT_EQ(training::compare_part(truth, random_image(64, 48, 2), view, ComparedPart::kMatte).ssim,
+              training::compare_part(truth, random_image(64, 48, 2), view, ComparedPart::kRectangle).ssim);
 }
 
 }  // namespace
