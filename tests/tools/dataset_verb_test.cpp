@@ -176,6 +176,12 @@ TEST_F(DatasetVerb, WritesTransformsForOtherPrograms) {
     EXPECT_EQ(run_neuvv(again({"--overwrite", "--holdout", "eye3"})).code, 0);
     EXPECT_FALSE(std::filesystem::exists(out / "mattes")) << "of the images that were replaced";
     EXPECT_NE(read_text(out / "transforms_test.json").find("eye3_0.png"), std::string::npos);
+    EXPECT_EQ(run_neuvv(again({"--overwrite", "--reduce", "4", "--frames", "0:0"})).code, 0);
+    EXPECT_EQ(media::read_png(out / "images" / "eye8_0.png").width, 16u);
+    for (const char* frames : {"0:1", "0.5", "2"})
+        expect_refused(again({"--overwrite", "--frames", frames}), 2, {"--frames", frames});
+    expect_refused(again({"--overwrite", "--reduce", "17"}), 2, {"--reduce"});
+    expect_refused({"dataset", data.string(), "--frames", "0:0"}, 2, {"--frames", "--as"});
 
     const std::string other = (folder.path / "other").string();
     write_text(folder.path / "other" / "images" / "mine.png", "");

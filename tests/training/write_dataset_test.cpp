@@ -13,6 +13,7 @@
 #include "support/rig_pixel.h"
 #include "training/data/dataset.h"
 #include "training/data/layouts/formats.h"
+#include "training/data/reduce.h"
 
 namespace neuvv {
 namespace {
@@ -203,6 +204,75 @@ TEST_F(WriteDataset, ItStopsWhereTheCallerSays) {
                                 [](uint64_t done, uint64_t total) { return done < 2 && total == 9; });
     EXPECT_FALSE(wrote.complete);
     EXPECT_FALSE(std::filesystem::exists(to() / "transforms_train.json"));
+}
+
+TEST_F(WriteDataset, APartOfTheClipIsAClip) {
+    write_capture(false);
+    training::BothSplits both = training::read_both_splits(from(), "auto", "");
+    EXPECT_EQ(training::frame_count(both), 3u);
+    training::keep_frames(both, 1, 2);
+    EXPECT_EQ(training::write_dataset(both, to(), {}).images, 6u);
+    const training::Rig after = training::read_rig(to(), Split::kTrain);
+    ASSERT_EQ(after.shots.size(), 4u);
+    EXPECT_EQ(after.shots[0].name, "cam02_0001");
+    EXPECT_EQ(after.shots[0].time, 0);
+    EXPECT_EQ(after.shots[1].name, "cam02_0002");
+    EXPECT_EQ(after.shots[1].time, 1);
+    training::keep_frames(both, 1, 1);
+    EXPECT_EQ(both.rigs[0].shots.size(), 2u);
+    EXPECT_EQ(both.rigs[0].shots[0].name, "cam02_0002");
+    EXPECT_EQ(both.rigs[0].shots[0].time, 0);
+
+    std::erase_if(both.rigs[1].shots, [](const training::Shot&) { return true; });
+    expect_input_error([&] { training::keep_frames(both, 0, 0); }, {"intri.yml", "no image of the frames 0 to 0"});
+}
+
+TEST_F(WriteDataset, ReducedImagesShowTheSame) {
+    write_capture(true);
+    training::write_dataset(training::read_both_splits(from(), "auto", ""), to(), {}, 3);
+    const training::Dataset before = training::load_dataset(from(), Split::kTest),
+                            after = training::load_dataset(to(), Split::kTest);
+    const stage::Camera &large = before.cameras[0], &small = after.cameras[0];
+    EXPECT_EQ(std::tuple(small.width, small.height), std::tuple(21u, 16u)) << "a column of 64 is left over";
+    EXPECT_NEAR(small.fx, large.fx / 3, 1e-9);
+    EXPECT_NEAR(small.cx, large.cx / 3, 1e-9);
+    EXPECT_NEAR(small.cy, large.cy / 3, 1e-9);
+    const media::Image from_image = before.views[0].image.whole(), to_image = after.views[0].image.whole();
+    double matte = 0, colour = 0;
+    for (uint32_t v = 0; v < 3; ++v)
+        for (uint32_t u = 0; u < 3; ++u) {
+            matte += from_image.at(30 + u, 21 + v)[3] / 9.0;
+            colour += from_image.at(30 + u, 21 + v)[1] / 9.0;
+        }
+    EXPECT_NEAR(to_image.at(10, 7)[3], matte, 0.5);
+    EXPECT_NEAR(to_image.at(10, 7)[1], colour, 0.5);
+    EXPECT_EQ(media::read_png(to() / "plates" / "cam02.png").width, 21u);
+    expect_input_error([&] { training::write_dataset(training::read_both_splits(from(), "auto", ""), to(), {}, 49); },
+                       {"intri.yml", "64×48", "too small to be reduced 49 times"});
+}
+
+TEST(Reduced, ColoursAreWeightedByAlpha) {
+    media::Image image(5, 2);
+    const auto set = [&](uint32_t x, uint32_t y, uint8_t grey, uint8_t alpha) {
+        std::fill_n(image.at(x, y), 3, grey);
+        image.at(x, y)[3] = alpha;
+    };
+    set(0, 0, 200, 255);
+    set(1, 0, 100, 51);
+    set(2, 0, 40, 0);
+    set(3, 1, 81, 0);
+    set(4, 0, 255, 255);
+    const media::Image half = training::reduced(image, 2);
+    ASSERT_EQ(half.width, 2u);
+    ASSERT_EQ(half.height, 1u);
+    EXPECT_EQ(half.at(0, 0)[0], 183) << "(200 · 5 + 100) / 6";
+    EXPECT_EQ(half.at(0, 0)[3], 77) << "306 / 4";
+    EXPECT_EQ(half.at(1, 0)[1], 30) << "121 / 4, where nothing has alpha";
+    EXPECT_EQ(half.at(1, 0)[3], 0);
+    EXPECT_EQ(training::reduced(image, 1).rgba, image.rgba);
+    std::vector<bool> ignored(10);
+    ignored[7] = ignored[4] = true;
+    EXPECT_EQ(training::reduced(ignored, {5, 2}, 2), (std::vector<bool>{false, true}));
 }
 
 }  // namespace

@@ -38,6 +38,7 @@ constexpr uint32_t kSheetCell = 200;  // pixels a side, of the contact sheet
 struct DatasetOptions {
     std::string folder, format = training::kAnyFormat, holdout, split = "train", output, as;
     bool search_rig = false;
+    WrittenPart part;
 };
 
 using Box = std::pair<glm::dvec3, glm::dvec3>;
@@ -321,13 +322,22 @@ void add_dataset(Command app, CommonOptions& common) {
         "--rig", options->search_rig,
         "Also train a draft of the training images, for a minute or more, and print for each camera what it says: how "
         "far its images are off, its gains, exposures, vignetting, and how late it is; with -o, cameras.png shows it");
-    verb.add_option("--as", options->as,
-                    "Instead, write all images into this folder, without lens distortion, for other programs: as "
-                    "transforms_train.json, transforms_test.json, images/, mattes/, masks/ and plates/")
-        .one_of({"transforms"})
-        .needs(output)
-        .excludes(split)
-        .excludes(rig);
+    Option as =
+        verb.add_option("--as", options->as,
+                        "Instead, write all images into this folder, without lens distortion, for other programs: as "
+                        "transforms_train.json, transforms_test.json, images/, mattes/, masks/ and plates/")
+            .one_of({"transforms"})
+            .needs(output)
+            .excludes(split)
+            .excludes(rig);
+    verb.add_option("--frames", options->part.frames,
+                    "With --as: only the frames FIRST:LAST, counted from 0, as in 0:299")
+        .needs(as);
+    verb.add_option("--reduce", options->part.reduction,
+                    "With --as: images smaller by this factor, a pixel being the mean of so many times so many")
+        .in_range(1u, 16u)
+        .show_default()
+        .needs(as);
     verb.footer(
         {"Reads the calibration whole, and of the images those of at most 64 cameras at 3 times; --rig\n"
          "reads all training images.\n"
@@ -340,10 +350,12 @@ void add_dataset(Command app, CommonOptions& common) {
          "  neuvv dataset work/performer -o work/look\n"
          "  neuvv dataset work/performer --rig -o work/rig\n"
          "  neuvv dataset work/performer --split test --format nerf\n"
-         "  neuvv dataset work/performer -o work/copy --as transforms"});
+         "  neuvv dataset work/performer -o work/copy --as transforms\n"
+         "  neuvv dataset work/performer -o work/small --as transforms --frames 0:9 --reduce 2"});
     verb.callback([options, &common] {
         if (!options->as.empty())
-            return write_as_transforms(options->folder, options->format, options->holdout, options->output);
+            return write_as_transforms(options->folder, options->format, options->holdout, options->output,
+                                       options->part);
         run(*options);
         if (options->search_rig) report_rig(*options, common);
     });

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "training/data/layouts/formats.h"
 
@@ -22,6 +24,34 @@ BothSplits read_both_splits(const std::filesystem::path& folder, const std::stri
         }
     if (both.rigs.empty()) throw *first;
     return both;
+}
+
+namespace {
+
+std::vector<double> times_of(const BothSplits& both) {
+    std::set<double> times;
+    for (const Rig& rig : both.rigs)
+        for (const Shot& shot : rig.shots) times.insert(shot.time);
+    return {times.begin(), times.end()};
+}
+
+}  // namespace
+
+size_t frame_count(const BothSplits& both) {
+    return times_of(both).size();
+}
+
+void keep_frames(BothSplits& both, size_t first, size_t last) {
+    const std::vector<double> times = times_of(both);
+    const double begin = times.at(first), end = times.at(last);
+    for (Rig& rig : both.rigs) {
+        std::erase_if(rig.shots, [&](const Shot& shot) { return shot.time < begin || shot.time > end; });
+        if (rig.shots.empty())
+            throw InputError(rig.file, "", fmt::format("has no image of the frames {} to {} in one split", first, last),
+                             "choose others");
+        for (Shot& shot : rig.shots) shot.time = end > begin ? (shot.time - begin) / (end - begin) : 0;
+        drop_cameras_without_shots(rig);
+    }
 }
 
 void expect_distinct_names(const std::vector<Rig>& rigs, const std::string& folder, const std::string& taken) {

@@ -20,6 +20,13 @@ struct BothSplits {
 BothSplits read_both_splits(const std::filesystem::path& folder, const std::string& format,
                             const std::string& holdout = "");
 
+// How many times the images of all splits have.
+size_t frame_count(const BothSplits& both);
+
+// Leaves the images of the frames `first` to `last`, which are counted from 0 over these times; the clip becomes as
+// long as they are. Throws InputError where a split has none of them.
+void keep_frames(BothSplits& both, size_t first, size_t last);
+
 // Throws InputError where two images of the splits have one name, or one is called `taken`, of files that are to be
 // written into `folder`, "the mattes' folder".
 void expect_distinct_names(const std::vector<Rig>& rigs, const std::string& folder, const std::string& taken = "");

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "training/data/reduce.h"
+
 namespace neuvv::training {
 
 namespace {
@@ -15,20 +17,6 @@ media::Image enlarged(const media::Image& opaque, uint32_t factor) {
 }
 
 }  // namespace
-
-media::Image reduced(const media::Image& opaque, uint32_t factor) {
-    media::Image small(opaque.width / factor, opaque.height / factor);
-    const uint64_t area = uint64_t{factor} * factor;
-    for (uint32_t y = 0; y < small.height; ++y)
-        for (uint32_t x = 0; x < small.width; ++x)
-            for (uint32_t c = 0; c < 4; ++c) {
-                uint64_t sum = 0;
-                for (uint32_t v = 0; v < factor; ++v)
-                    for (uint32_t u = 0; u < factor; ++u) sum += opaque.at(x * factor + u, y * factor + v)[c];
-                small.at(x, y)[c] = static_cast<uint8_t>((sum + area / 2) / area);
-            }
-    return small;
-}
 
 media::Image scaled_to_fit(const media::Image& image, uint32_t longest) {
     assert(longest > 0 && "an image is fitted into pixels");

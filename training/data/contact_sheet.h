@@ -7,10 +7,6 @@
 
 namespace neuvv::training {
 
-// Each pixel is the mean of a block of factor × factor opaque pixels; what is left over at the right and below is cut
-// off.
-media::Image reduced(const media::Image& opaque, uint32_t factor);
-
 // The image over white, scaled by a whole factor or divided by one, so that its longest side comes as near to `longest`
 // pixels as that allows without exceeding it. Smaller images are means of blocks, larger ones repeat pixels.
 media::Image scaled_to_fit(const media::Image& image, uint32_t longest);

@@ -15,6 +15,7 @@
 #include "training/data/images.h"
 #include "training/data/mask_image.h"
 #include "training/data/matte_sources.h"
+#include "training/data/reduce.h"
 #include "training/data/transforms_file.h"
 
 namespace neuvv::training {
@@ -82,8 +83,20 @@ class Count {
 class SplitWriter {
   public:
     SplitWriter(const std::filesystem::path& output, const WriteSummary& summary, const Rig& rig,
-                const ImageNames& names, Count& count)
-        : output_(output), summary_(summary), rig_(rig), names_(names), cameras_(cameras_of(rig)), count_(count) {}
+                const ImageNames& names, Count& count, uint32_t reduction)
+        : output_(output),
+          summary_(summary),
+          rig_(rig),
+          names_(names),
+          cameras_(cameras_of(rig)),
+          count_(count),
+          reduction_(reduction) {
+        for (size_t c = 0; c < cameras_.size(); ++c)
+            if (std::min(cameras_[c].width, cameras_[c].height) < reduction)
+                throw InputError(rig.file, rig.cameras[c].name,
+                                 fmt::format("has images of {}×{}, too small to be reduced {} times", cameras_[c].width,
+                                             cameras_[c].height, reduction));
+    }
 
     void write_images() {
         std::vector<std::vector<const Shot*>> shots(rig_.cameras.size());
@@ -93,9 +106,11 @@ class SplitWriter {
         });
     }
     void write_file(const std::filesystem::path& file) const {
-        std::vector<stage::Camera> cameras = cameras_;
-        for (stage::Camera& camera : cameras)
-            camera.world_from_camera = rig_.frame.pose_to_capture(camera.world_from_camera);
+        std::vector<stage::Camera> cameras;
+        for (const stage::Camera& camera : cameras_) {
+            cameras.push_back(reduced(camera, reduction_));
+            cameras.back().world_from_camera = rig_.frame.pose_to_capture(camera.world_from_camera);
+        }
         WrittenTransforms transforms{cameras, {}, rig_.box, rig_.fps, kWrittenBy};
         if (rig_.box)
             transforms.box = {rig_.frame.to_capture(rig_.box->first), rig_.frame.to_capture(rig_.box->second)};
@@ -112,18 +127,20 @@ class SplitWriter {
   private:
     void write_camera(size_t c, const std::vector<const Shot*>& shots) {
         CameraImages images(rig_, static_cast<uint32_t>(c), cameras_[c]);
-        if (images.plate().width > 0) write("plates", file_name(rig_.cameras[c].name), images.plate());
+        if (images.plate().width > 0)
+            write("plates", file_name(rig_.cameras[c].name), reduced(images.plate(), reduction_));
         for (const Shot* shot : shots) {
             if (count_.stopped()) return;
             const CameraImage read = images.read(*shot, Background::kCaptured);
-            const media::Image& image = read.image;
+            const media::Image image = reduced(read.image, reduction_);
+            const std::vector<bool> ignored = reduced(read.ignored, {read.image.width, read.image.height}, reduction_);
             const std::string& name = names_.at(shot);
             write("images", name, image);
             if (summary_.mattes)
                 write("mattes", name, grey_image(image, [&](size_t i) { return image.rgba[4 * i + 3]; }));
             if (summary_.masks)
                 write("masks", name, grey_image(image, [&](size_t i) {
-                          return static_cast<uint8_t>(!read.ignored.empty() && read.ignored[i] ? 0 : 255);
+                          return static_cast<uint8_t>(!ignored.empty() && ignored[i] ? 0 : 255);
                       }));
             count_.add();
         }
@@ -138,11 +155,13 @@ class SplitWriter {
     const ImageNames& names_;
     const std::vector<stage::Camera> cameras_;
     Count& count_;
+    const uint32_t reduction_;
 };
 
 }  // namespace
 
-WriteSummary write_dataset(const BothSplits& both, const std::filesystem::path& output, const WriteProgress& progress) {
+WriteSummary write_dataset(const BothSplits& both, const std::filesystem::path& output, const WriteProgress& progress,
+                           uint32_t reduction) {
     expect_distinct_names(both.rigs, "images/");
     WriteSummary summary{.mattes = !matte_sources(both.rigs).empty(), .masks = may_ignore(both.rigs)};
     summary.missing_split = both.missing;
@@ -161,7 +180,7 @@ WriteSummary write_dataset(const BothSplits& both, const std::filesystem::path& 
     Count count(progress, summary.images);
     std::vector<std::unique_ptr<SplitWriter>> writers;
     for (const Rig& rig : both.rigs) {
-        writers.push_back(std::make_unique<SplitWriter>(output, summary, rig, names, count));
+        writers.push_back(std::make_unique<SplitWriter>(output, summary, rig, names, count, reduction));
         writers.back()->write_images();
     }
     if (count.stopped()) return summary;

@@ -32,9 +32,11 @@ using WriteProgress = std::function<bool(uint64_t done, uint64_t total)>;
 // - mattes/NAME.png, that alpha in grey, where the data set has mattes;
 // - masks/NAME.png, black where nothing is known of a pixel, where there are such pixels (nerfstudio's mask_path);
 // - plates/CAMERA.png, the clean plates.
+// Images are reduced `reduction` times (reduce.h).
 // NAME is what the image's name has from its camera's name on ("01_0003" of "images_01_0003"). What is read from these
-// files is what is read from the data set itself. Throws InputError for images that cannot be read, and where two have
-// one name; RuntimeFailure where a file cannot be written.
-WriteSummary write_dataset(const BothSplits& both, const std::filesystem::path& output, const WriteProgress& progress);
+// files is what is read from the data set itself. Throws InputError for images that cannot be read or are smaller than
+// a reduced pixel, and where two have one name; RuntimeFailure where a file cannot be written.
+WriteSummary write_dataset(const BothSplits& both, const std::filesystem::path& output, const WriteProgress& progress,
+                           uint32_t reduction = 1);
 
 }  // namespace neuvv::training

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/threads/parallel.h"
-#include "training/data/contact_sheet.h"
+#include "training/data/reduce.h"
 
 namespace neuvv::training {
 
