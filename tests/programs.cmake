@@ -19,12 +19,13 @@ neuvv_test(tools_test COST 8
     motion/colour_model.cpp
   LINKS neuvv_tools PkgConfig::liblo nlohmann_json::nlohmann_json)
 neuvv_test(cli_gpu_test GPU
-  SMOKE "CliSegments.OnAStage*:CliMpiTraining.RanksShare*:CliCoach.AMistake*:CliImport.Frames*:CliSound.AVideoOf*:CliStage.EveryEdit*:CliPaint.Regions*:CliStagePaint.AnImage*:CliPublish.AStream*:CliPublish.AStagePlays*:CliExport.SplatsShow*:CliMesh.Glb*:CliGpu.RenderWrites*:CliGpu.EvalWrites*:CliGpu.EveryOptionOfTrain*:CliDevice.Device*:CliRender.Ranks*"
+  SMOKE "CliSegments.OnAStage*:CliMpiTraining.RanksShare*:CliCoach.AMistake*:CliImport.Frames*:CliSound.AVideoOf*:CliStage.EveryEdit*:CliPaint.Regions*:CliStagePaint.AnImage*:CliPublish.AStream*:CliPublish.AStagePlays*:CliExport.SplatsShow*:CliMesh.Glb*:CliGpu.RenderWrites*:CliGpu.EvalWrites*:CliGpu.EveryOptionOfTrain*:CliBenchmark.ActorsHq*:CliDevice.Device*:CliRender.Ranks*"
   SHARDS 4 COST 60
   SOURCES
     tools/cli_capture_test.cpp
     tools/cli_gpu_test.cpp
     tools/cli_eval_test.cpp
+    tools/cli_benchmark_test.cpp
     tools/cli_train_options_test.cpp
     tools/cli_device_test.cpp
     tools/cli_render_test.cpp
