@@ -35,6 +35,18 @@ struct DatasetVerb : testing::Test {
         return text.substr(value, text.find('\n', value) - value);
     }
 
+    // A matte with a performer in the middle.
+    static void write_matte(const std::filesystem::path& path, uint32_t width, uint8_t border, uint8_t middle) {
+        media::Image matte(width, 48);
+        for (uint32_t y = 0; y < matte.height; ++y)
+            for (uint32_t x = 0; x < matte.width; ++x) {
+                const bool inside = x > 20 && x < 44 && y > 8 && y < 40;
+                std::fill_n(matte.at(x, y), 3, inside ? middle : border);
+                matte.at(x, y)[3] = 255;
+            }
+        std::filesystem::create_directories(path.parent_path());
+        media::write_png(path, matte);
+    }
     // Nine cameras without mattes, the first and the last held out.
     void write_colmap_capture() const {
         test::ColmapSample sample;
@@ -199,7 +211,7 @@ TEST_F(DatasetVerb, MattesAreReplacedAllOrNone) {
     write_colmap_capture();
     const std::filesystem::path data = folder.path / "data", mattes = data / "mattes", from = folder.path / "from";
     const auto bring = [&](int i, uint32_t width, uint8_t value) {
-        test::write_grey_png(from / fmt::format("eye{}.png", i), width, 48, value);
+        write_matte(from / fmt::format("eye{}.png", i), width, 0, value);
     };
     const std::vector<std::string> command{"matte", data.string(), "--from", from.string()};
     const auto has_none = [&] { return !std::filesystem::exists(mattes) || std::filesystem::is_empty(mattes); };
@@ -225,7 +237,7 @@ TEST_F(DatasetVerb, MattesAreReplacedAllOrNone) {
     size_t white = 0;
     for (const auto& entry : std::filesystem::directory_iterator(mattes)) {
         EXPECT_TRUE(entry.is_regular_file()) << entry.path();
-        if (entry.path().stem() != "contact_sheet") white += media::read_png(entry.path()).at(0, 0)[0] == 255;
+        if (entry.path().stem() != "contact_sheet") white += media::read_png(entry.path()).at(32, 24)[0] == 255;
     }
     EXPECT_EQ(white, 9u) << "those of before";
 }
@@ -266,6 +278,32 @@ TEST_F(DatasetVerb, MattesAreMadeByANetwork) {
     expect_refused(with({"--threshold", "9"}), 2, {"--threshold", "--model"});
     expect_refused(with({"--alone"}), 2, {"--alone", "--model"});
     expect_refused(with({"--invert"}), 2, {"--invert", "--from"});
+}
+
+// Whoever takes black for white learns it before hours of training, and loses no mattes by it.
+TEST_F(DatasetVerb, InvertedMattesAreNotWritten) {
+    write_colmap_capture();
+    const std::filesystem::path data = folder.path / "data", from = folder.path / "from";
+    const auto bring = [&](uint8_t border, uint8_t middle) {
+        for (int i = 0; i < 9; ++i) write_matte(from / fmt::format("eye{}.png", i), 64, border, middle);
+    };
+    const std::vector<std::string> command{"matte", data.string(), "--from", from.string()};
+    std::vector<std::string> inverted = command;
+    inverted.push_back("--invert");
+    const auto expect_refusal = [&](const std::vector<std::string>& arguments, const std::string& fix) {
+        const ProgramResult result = run_neuvv(arguments);
+        EXPECT_EQ(result.code, 2) << result.err;
+        EXPECT_NE(result.err.find("100 % of the images' borders would be white"), std::string::npos) << result.err;
+        EXPECT_NE(result.err.find(fix), std::string::npos) << result.err;
+        EXPECT_FALSE(std::filesystem::exists(data / "mattes" / "eye1_0.png"));
+    };
+    bring(255, 0);
+    expect_refusal(command, "give --invert");
+    bring(0, 255);
+    expect_refusal(inverted, "leave --invert out");
+    bring(255, 0);
+    ASSERT_EQ(run_neuvv(inverted).code, 0);
+    EXPECT_EQ(media::read_png(data / "mattes" / "eye1_0.png").at(32, 24)[0], 255);
 }
 
 TEST_F(DatasetVerb, TheImagesOfAPhoneAreSaidToBeAStill) {
