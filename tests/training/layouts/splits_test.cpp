@@ -44,6 +44,8 @@ TEST(Holdout, ByNumberShareOrName) {
     for (const char* bad : {"11", "100%", "-1", "1.5", "nobody", "a,nobody"})
         expect_input_error([&] { held(cameras, bad); },
                            {"holdout: ", std::string(bad).ends_with("nobody") ? "nobody" : bad});
+    for (const char* bad : {"100%", "-1", "1.5"})
+        expect_input_error([&] { held(cameras, bad); }, {"is no share from 0 % to below 100 %", "from 0 to 10,"});
 }
 
 TEST(Holdout, NamesThatAreNumbers) {
@@ -96,8 +98,8 @@ TEST_F(Splits, TheUserHoldsOutCamerasOfAnyLayout) {
     EXPECT_EQ(cameras(Split::kTest, "cam03"), "cam03");
     EXPECT_EQ(cameras(Split::kTrain, "cam03"), "cam01 cam02");
     EXPECT_EQ(cameras(Split::kTrain, "0"), "cam01 cam02 cam03");
-    expect_input_error([&] { cameras(Split::kTest, "0"); }, {"holdout: ", "holds out no camera"});
-    expect_input_error([&] { cameras(Split::kTrain, "3"); }, {"holdout: ", "leaves no camera"});
+    expect_input_error([&] { cameras(Split::kTest, "0"); }, {"holdout: ", "holds out no camera", "from 1 to 2,"});
+    expect_input_error([&] { cameras(Split::kTrain, "3"); }, {"holdout: ", "leaves no camera", "from 0 to 2,"});
     const training::Rig train = training::read_rig(folder.path, Split::kTrain, "auto", "cam02");
     ASSERT_EQ(train.shots.size(), 4u);
     EXPECT_EQ(train.shots[3].time, 1);

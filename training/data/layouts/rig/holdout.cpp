@@ -16,7 +16,10 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr char kForms[] = "give a number of cameras (0: none), a share (12.5%), or names (cam03,cam07)";
+// What may be given, where so many cameras can be held out.
+std::string forms(size_t least, size_t most) {
+    return fmt::format("give a number of cameras from {} to {}, a share (12.5%), or names (cam03,cam07)", least, most);
+}
 
 std::optional<double> number_in(std::string text) {
     double value = 0;
@@ -35,9 +38,12 @@ std::optional<size_t> count_of(const std::vector<std::string>& cameras, const st
     const auto all = static_cast<double>(cameras.size());
     if (whole && names_one && (*number > all || (holdout.size() > 1 && holdout[0] == '0'))) return std::nullopt;
     const double share = percent ? *number / 100 : *number;
-    if (whole ? *number > all : !(share >= 0 && share < 1))
+    if (whole && *number > all)
         throw InputError(Setting{"holdout"}, holdout,
-                         fmt::format("is more than the {} cameras that there are", cameras.size()), kForms);
+                         fmt::format("is more than the {} cameras that there are", cameras.size()),
+                         forms(0, cameras.size()));
+    if (!whole && !(share >= 0 && share < 1))
+        throw InputError(Setting{"holdout"}, holdout, "is no share from 0 % to below 100 %", forms(0, cameras.size()));
     if (whole) return static_cast<size_t>(*number);
     return static_cast<size_t>(share > 0 ? std::max(1.0, std::round(share * all)) : 0);
 }
@@ -72,9 +78,11 @@ void select_split(Rig& rig, const std::string& holdout, Split wanted) {
     for (const RigCamera& camera : rig.cameras) names.push_back(camera.name);
     const std::vector<bool> held = held_out(names, holdout);
     std::erase_if(rig.shots, [&](const Shot& shot) { return held[shot.camera] != (wanted == Split::kTest); });
-    if (rig.shots.empty())
-        throw InputError(Setting{"holdout"}, holdout,
-                         wanted == Split::kTest ? "holds out no camera" : "leaves no camera to train with", kForms);
+    if (!rig.shots.empty()) return;
+    const size_t most = names.size() - std::min<size_t>(1, names.size());
+    if (wanted == Split::kTest)
+        throw InputError(Setting{"holdout"}, holdout, "holds out no camera", forms(1, std::max<size_t>(1, most)));
+    throw InputError(Setting{"holdout"}, holdout, "leaves no camera to train with", forms(0, most));
 }
 
 }  // namespace neuvv::training
