@@ -12,6 +12,8 @@
 #include "tools/data/rig_drawing.h"
 #include "tools/image_drawing.h"
 #include "tools/report.h"
+#include "training/data/empty_mattes.h"
+#include "training/data/layouts/formats.h"
 
 namespace neuvv {
 namespace {
@@ -100,6 +102,38 @@ TEST_F(DatasetVerb, ACaptureWithMattes) {
         EXPECT_GT(a[axis], centre - reach[axis] - 0.3);
         EXPECT_LT(b[axis], centre + reach[axis] + 0.3);
     }
+}
+
+// At a time that is not among those whose images are read.
+TEST_F(DatasetVerb, EmptyMattesAreNamedAtAnyTime) {
+    std::filesystem::create_directories(folder.path / "data");
+    const training::Dataset dataset = test::sphere_dataset({.frames = 8});
+    test::write_capture(folder.path / "data", dataset);
+    EXPECT_EQ(say().find("empty matte"), std::string::npos) << say();
+    const auto blacken = [&](const char* name) {
+        media::write_png(folder.path / "data" / (std::string(name) + ".png"), media::Image(48, 48));
+    };
+    blacken("c03_f002");
+    blacken("c07_f005");
+    const std::string text = say();
+    EXPECT_NE(text.find("\nempty matte: c03_f002 shows nothing"), std::string::npos) << text;
+    EXPECT_NE(text.find("\nempty matte: c07_f005 shows nothing"), std::string::npos) << text;
+    EXPECT_EQ(text.find("empty mattes"), std::string::npos) << "no more, and all times were looked at\n" << text;
+    // A file of mattes/ overrules the image's alpha. Where all are black, the performer is away.
+    for (const training::View& view : dataset.views) {
+        const bool black = view.name.ends_with("f004") || view.name == "c00_f001";
+        test::write_grey_png(folder.path / "data" / "mattes" / (view.name + ".png"), 48, 48, black ? 0 : 128);
+    }
+    const std::string overruled = say();
+    EXPECT_NE(overruled.find("\nempty matte: c00_f001 shows nothing"), std::string::npos) << overruled;
+    EXPECT_EQ(overruled.find("f004 shows nothing"), std::string::npos) << overruled;
+    EXPECT_EQ(overruled.find("f002 shows nothing"), std::string::npos) << overruled;
+
+    const training::Rig rig = training::read_rig(folder.path / "data", training::Split::kTrain);
+    const training::EmptyMattes some = training::find_empty_mattes(rig, 30, {});
+    EXPECT_EQ(some.times, 8u);
+    EXPECT_EQ(some.looked_at, 2u) << "30 images of twelve cameras";
+    EXPECT_TRUE(some.shots.empty()) << "those of times 0 and 4";
 }
 
 TEST_F(DatasetVerb, SwappedCamerasAreNamed) {

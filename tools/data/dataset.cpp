@@ -21,6 +21,7 @@
 #include "tools/say.h"
 #include "tools/train/refine.h"
 #include "training/data/contact_sheet.h"
+#include "training/data/empty_mattes.h"
 #include "training/data/images.h"
 #include "training/data/layouts/formats.h"
 #include "training/data/matte_sources.h"
@@ -32,7 +33,8 @@ namespace neuvv::tools {
 namespace {
 
 constexpr size_t kSampleCameras = 64, kSampleTimes = 3;  // whose images are read
-constexpr size_t kMaxPrintedNames = 40;
+constexpr size_t kMattesRead = 4096;                     // at most, to find empty ones
+constexpr size_t kMaxPrintedNames = 40, kMaxPrintedMattes = 10;
 constexpr uint32_t kSheetCell = 200;  // pixels a side, of the contact sheet
 
 struct DatasetOptions {
@@ -214,6 +216,24 @@ void print_memory(const training::Rig& rig, const training::Rig& sample, const t
                                       size_text(training::image_budget())));
 }
 
+// One black matte among good ones makes a hole in its moment's hull; the sample of times misses it.
+void print_empty_mattes(const training::Rig& rig) {
+    StatusLine line(false);
+    const auto progress = [&](uint64_t done, uint64_t total) {
+        if (line.is_due()) line.print(fmt::format("mattes {}/{}", done, total));
+    };
+    const auto empty = try_to_find([&] { return training::find_empty_mattes(rig, kMattesRead, progress); });
+    line.end();
+    if (!empty.found) return print_field("note", empty.missing);
+    const std::vector<uint32_t>& shots = empty.found->shots;
+    for (size_t i = 0; i < std::min(shots.size(), kMaxPrintedMattes); ++i)
+        tell("empty matte: {} shows nothing of the performer, most other images of its time do\n",
+             rig.shots[shots[i]].name);
+    if (shots.size() > kMaxPrintedMattes) tell("empty mattes: {} more\n", shots.size() - kMaxPrintedMattes);
+    if (empty.found->looked_at < empty.found->times)
+        tell("empty mattes were looked for at {} of {} times\n", empty.found->looked_at, empty.found->times);
+}
+
 void draw(const std::filesystem::path& folder, const training::Rig& rig, const std::vector<training::RigCamera>& train,
           const std::vector<training::RigCamera>& test, const training::Dataset& sample,
           const std::optional<Box>& box) {
@@ -297,6 +317,7 @@ void run(const DatasetOptions& options) {
     print_memory(rig, sample, images);
     for (const std::string& remark : rig.remarks) print_field("note", remark);
     tell("{}", doubtful_mattes_text(images, doubtful));
+    if (matte) print_empty_mattes(rig);
     if (options.output.empty()) return;
     const auto cameras = [](const Finding<training::Rig>& split) {
         return split.found ? split.found->cameras : std::vector<training::RigCamera>();
@@ -339,8 +360,8 @@ void add_dataset(Command app, CommonOptions& common) {
         .show_default()
         .needs(as);
     verb.footer(
-        {"Reads the calibration whole, and of the images those of at most 64 cameras at 3 times; --rig\n"
-         "reads all training images.\n"
+        {"Reads the calibration whole, of the images those of at most 64 cameras at 3 times, and of the mattes up to "
+         "4096,\nto name empty ones; --rig reads all training images.\n"
          "Layouts: transforms.json, COLMAP, EasyMocap, Neural 3D Video, Metashape (.xml), RealityCapture (.csv),\n"
          "Qualisys (.qca.txt), Pose2Sim (Calib.toml), OpenCV (<camera>.yml), Panoptic Studio (calibration_*.json),\n"
          "Dynamic 3D Gaussians (train_meta.json), ActorsHQ (calibration.csv), Polycam, Record3D.\n"

@@ -37,12 +37,6 @@ std::vector<bool> ignored_by(const media::Image& mask, MaskMeaning meaning) {
     return ignored;
 }
 
-bool all_opaque(const media::Image& image) {
-    for (size_t i = 3; i < image.rgba.size(); i += 4)
-        if (image.rgba[i] != 255) return false;
-    return true;
-}
-
 // Gives the pixels of alpha 0 the colours of the other image.
 void fill_background(media::Image& image, const media::Image& captured) {
     for (size_t i = 0; i < image.rgba.size(); i += 4)
@@ -115,7 +109,7 @@ void CameraImages::apply_matte_file(const Shot& shot, media::Image& image) {
     const std::filesystem::path folder = mattes_folder(rig_), file = matte_file(folder, rig_, shot);
     if (std::filesystem::is_regular_file(file, ignored))
         set_alpha(image, read(mattes_, {file, -1}));
-    else if (std::filesystem::is_directory(folder, ignored) && all_opaque(image))
+    else if (std::filesystem::is_directory(folder, ignored) && is_opaque(image))
         throw InputError(file.string(), "", fmt::format("is missing: {} has no other matte", shot.name),
                          {Remedy::kMakeMattes, rig_.folder.string()});
 }

@@ -7,13 +7,17 @@
 
 namespace neuvv::training {
 
+inline bool is_opaque(const media::Image& image) {
+    for (size_t i = 3; i < image.rgba.size(); i += 4)
+        if (image.rgba[i] != 255) return false;
+    return true;
+}
+
 // The values of a matte or a mask: its alpha where it has one, else the brightest of R, G and B.
 class MaskValues {
   public:
     // The image must outlive the object.
-    explicit MaskValues(const media::Image& mask) : mask_(mask) {
-        for (size_t i = 3; i < mask.rgba.size() && !by_alpha_; i += 4) by_alpha_ = mask.rgba[i] != 255;
-    }
+    explicit MaskValues(const media::Image& mask) : mask_(mask), by_alpha_(!is_opaque(mask)) {}
     uint8_t operator[](size_t pixel) const {
         const uint8_t* at = &mask_.rgba[4 * pixel];
         return by_alpha_ ? at[3] : std::max({at[0], at[1], at[2]});
@@ -21,7 +25,7 @@ class MaskValues {
 
   private:
     const media::Image& mask_;
-    bool by_alpha_ = false;
+    const bool by_alpha_;
 };
 
 // A grey image of the size of `like`, with value(pixel) from 0 to 255.
