@@ -53,7 +53,7 @@ const std::map<Remedy, const char*> kWords = {
     {Remedy::kMakeMattes, "run `neuvv matte {}`"},
     {Remedy::kMakeMattesOrGive,
      "run `neuvv matte {}`, or give RGBA PNGs whose alpha is 255 on the performer and 0 elsewhere"},
-    {Remedy::kMoreCameras, "choose --holdout 0 or more cameras"},
+    {Remedy::kMoreCameras, "choose a lower --holdout (0: none), or more cameras"},
     {Remedy::kMoreCamerasOrHoldNone, "give two cameras or more, or `--holdout 0`"},
     {Remedy::kMoreFilesOrHoldNone,
      "give two cameras or more, transforms_train.json and transforms_test.json, or `--holdout 0`"},

@@ -52,7 +52,7 @@ constexpr Words kWords[] = {
     {Remedy::kMakeMattes, "make mattes for {}"},
     {Remedy::kMakeMattesOrGive,
      "make mattes for {}, or give RGBA PNGs whose alpha is 255 on the performer and 0 elsewhere"},
-    {Remedy::kMoreCameras, "hold none back, or choose more cameras"},
+    {Remedy::kMoreCameras, "hold fewer back or none, or choose more cameras"},
     {Remedy::kMoreCamerasOrHoldNone, "give two cameras or more, or hold none out"},
     {Remedy::kMoreFilesOrHoldNone,
      "give two cameras or more, transforms_train.json and transforms_test.json, or hold none out"},

@@ -47,9 +47,12 @@ void check_settings(const CaptureSettings& s) {
            "choose 0 to below 1");
     expect(s.holdout == 0 || s.cameras >= 2, "holdout", "one camera cannot be kept back and used too",
            Remedy::kMoreCameras);
-    if (!s.studio) return;
     const std::vector<bool> is_test = held_out(s.cameras, s.holdout);
     const auto train = std::count(is_test.begin(), is_test.end(), false);
+    expect(s.holdout == 0 || train >= 2, "holdout",
+           fmt::format("{} leaves one of {} cameras to train with, which shows no volume", s.holdout, s.cameras),
+           Remedy::kMoreCameras);
+    if (!s.studio) return;
     expect(train >= kMinStudioCameras, "cameras", fmt::format("{} that train are too few for a studio", train),
            fmt::format("choose more, so that {} train", kMinStudioCameras));
 }

@@ -213,6 +213,7 @@ TEST(Capture, BadSettingsAreNamed) {
     refuse([](auto& s) { s.holdout = NAN; }, "holdout: ");
     refuse([](auto& s) { s.holdout = 1; }, "holdout: ");
     refuse([](auto& s) { s.cameras = 1; }, "holdout: ");
+    refuse([](auto& s) { s.holdout = 0.9; }, "holdout: 0.9 leaves one of 6 cameras to train with");
     refuse([](auto& s) { s.animation = "waltz"; }, "dance");
     EXPECT_EQ(folder.entries(), 0u) << "refused before anything is written";
     expect_input_error([&] { run(folder.path, small_settings(), folder.path / "none.glb"); }, {"none.glb"});
