@@ -149,6 +149,23 @@ TEST_F(CliGpu, AnInstantIntoOneImageIsAStill) {
     EXPECT_EQ(media::read_png(file("still.png")).width, 40u);
 }
 
+TEST_F(CliGpu, OneImageShowsTheFirstFrameWhereNoneIsNamed) {
+    const std::string key = file("key.json");
+    write_text(key, R"({"path":[{"R":[0,0,0,1],"T":[0.5,0.5,2],"fov":40}],"time":0})");
+    const auto image = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words{"render", "--overwrite", scene, "-o", file("still.png"), "--size", "40x24"};
+        words.insert(words.end(), more.begin(), more.end());
+        const ProgramResult result = run_neuvv(words);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return media::read_png(file("still.png")).rgba;
+    };
+    EXPECT_EQ(image({}), image({"--frames", "0"}));
+    EXPECT_NE(image({}), image({"--frames", "3"}));
+    EXPECT_EQ(image({"--camera", key}), image({"--camera", key, "--frames", "0"}));
+    expect_refused({"render", "--overwrite", scene, "-o", file("still.png"), "--frames", "0:1"}, 2,
+                   {"is one file for", "one time by --frames"});
+}
+
 TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
     const std::vector<std::string> command = {"convert",         "--overwrite", scene,   "-o",
                                               file("small.nvv"), "--size",      "64x48", "--json"};

@@ -116,8 +116,8 @@ void add_view_options(Command verb, RenderOptions& options) {
             "name of one of its cameras (default: its first camera, also where it has a path)")
         .excludes(orbit);
     verb.add_option("--frames", options.frames,
-                    "FIRST:LAST frame of the clip, from 0, fractions allowed; one number: that time. Keys of --camera "
-                    "with a time ignore it");
+                    "FIRST:LAST frame of the clip, from 0, fractions allowed; one number: that time. An orbit repeats "
+                    "them for 4 s. Keys of --camera with a time ignore it");
     verb.add_option("--time", options.time, "Of a stage: FROM:TO in seconds, or one time (default: all of it)");
     verb.add_option("--fps", options.fps,
                     "Images a second (default: that of --camera, else the clip's or the stage's); the clip keeps its "
@@ -168,7 +168,7 @@ void add_options(Command verb, RenderOptions& options) {
         .required();
     verb.add_option("-o,--output", options.output,
                     "out.mp4; out.mov: ProRes 4444 with straight alpha; out_%04d.png, or out.png for a single image: "
-                    "with --frames F, the orbit's first view of frame F; "
+                    "the first frame, or that of --frames, from where the orbit begins or from --camera's one key; "
                     ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
         .required();
     verb.add_option("--layers", options.layers,
@@ -220,7 +220,7 @@ void expect_new_images(const RenderOptions& options, const media::ImageOutput& o
 void expect_fitting_output(const media::ImageOutput& output, size_t images) {
     if (output.kind == media::ImageOutput::Kind::kImage && images > 1)
         throw InputError("--output", output.path.string(), fmt::format("is one file for {} images", images),
-                         "number them, as in out_%04d.png, or give --camera one key and --frames one frame");
+                         "number them, as in out_%04d.png, or name one time by --frames or --time, and one key by --camera");
 }
 
 void expect_fitting_output(const media::ImageOutput& output, const RenderOptions& options) {

@@ -117,15 +117,29 @@ struct RenderPlan {
     uint32_t samples = 1;
 };
 
-// What each image shows. Sets the rate of the output in `playback`, which a camera path may have.
+// Whether one image is meant: a single file, and one frame, or none named.
+bool wants_still(const RenderOptions& options, const RenderPlan& plan, const Playback& playback) {
+    const bool one_time = options.frames.empty() || playback.range.first == playback.range.last;
+    return one_time && plan.output.kind == media::ImageOutput::Kind::kImage;
+}
+
+// What each image shows. Sets the rate of the output in `playback`, which a camera path may have. A still has the first
+// view of the orbit, or that of a fixed camera.
 std::vector<ViewStep> view_path(const RenderOptions& options, const RenderPlan& plan, Playback& playback,
                                 media::ImageSize size) {
+    const bool still = wants_still(options, plan, playback);
     playback.output_fps = checked_fps(options, 0, playback.clip_fps);
-    if (options.camera.empty()) return orbit_path(plan.box, playback, size.width ? size : kClipSize);
+    if (options.camera.empty()) {
+        std::vector<ViewStep> steps = orbit_path(plan.box, playback, size.width ? size : kClipSize);
+        if (still) steps.resize(1);
+        return steps;
+    }
     const stage::CameraPath path =
         interchange::read_camera_path(options.camera, playback.output_fps, voctree::read_world_frame(options.scene));
     playback.output_fps = checked_fps(options, path.fps, playback.clip_fps);
-    return path_steps(path, playback, plan.clip.frames(), size, kClipSize);
+    std::vector<ViewStep> steps = path_steps(path, playback, plan.clip.frames(), size, kClipSize);
+    if (still && path.keys.size() == 1) steps.resize(1);
+    return steps;
 }
 
 // Reads what is known of a clip before any of its segments is on the device.
@@ -158,9 +172,6 @@ RenderPlan plan_render(const RenderOptions& options) {
     const double clip_fps = plan.clip.fps;
     plan.playback = {parse_frame_range(options.frames, plan.clip.frames()), clip_fps, clip_fps};
     plan.path = view_path(options, plan, plan.playback, given_size);
-    const bool one_time = plan.playback.range.first == plan.playback.range.last;
-    if (one_time && plan.output.kind == media::ImageOutput::Kind::kImage && options.camera.empty())
-        plan.path.resize(1);  // a still: the orbit's first view
     expect_fitting_output(plan.output, plan.path.size());
     const auto [near, far] = depth_range(plan.path, plan.box);
     plan.resolve.depth_near_m = static_cast<float>(near);

@@ -169,7 +169,8 @@ StagePlan plan_stage(const RenderOptions& options) {
     }
     plan_time(options, plan);
     const bool still = plan.output.kind == media::ImageOutput::Kind::kImage;
-    if (still && options.time.empty() && (!plan.path || plan.is_stage_path)) plan.images = 1;
+    const bool one_view = !plan.path || plan.is_stage_path || plan.path->keys.size() == 1;
+    if (still && options.time.empty() && one_view) plan.images = 1;
     expect_fitting_output(plan.output, plan.images);
     plan.size = given_size.width                ? given_size
                 : plan.path && plan.path->width ? media::ImageSize{plan.path->width, plan.path->height}
