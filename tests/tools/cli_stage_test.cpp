@@ -175,6 +175,8 @@ TEST_F(CliStage, WhatCannotBeRenderedIsRefused) {
     refused({"--camera", "nobody"}, {"nobody", "camera"});
     refused({"--time", "2:1"}, {"--time", "2:1"});
     refused({"--time", "nan"}, {"--time"});
+    for (const char* time : {"99", "2.5:3"})
+        refused({"--time", time}, {"--time: ", "show.gltf changes after 2 s", "0 to 2", "loop"});
     refused({"--frames", "0"}, {"--frames", "clips"});
     refused({"--direct"}, {"--direct"});
     expect_refused({"render", scene, "-o", file("x.mp4"), "--time", "1"}, 2, {"--time", "stages"});

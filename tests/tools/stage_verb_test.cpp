@@ -90,6 +90,7 @@ TEST_F(StageVerb, AShowFromNothing) {
     EXPECT_EQ(json["performers"][3]["time"], "loop,speed:2,offset:-1f") << "6 frames behind within 3.5";
     EXPECT_TRUE(json["performers"][3]["seconds"].is_null()) << "endless";
     EXPECT_EQ(info({"--at", "0.12"})["performers"][0]["frame"], 6);
+    EXPECT_EQ(info({"--at", "99.12"}).at("performers").size(), 4u) << "performers loop";
     ASSERT_EQ(json["lights"].size(), 2u);
     EXPECT_EQ(json["lights"][0]["intensity"], nlohmann::json::parse("[80.0,80.0,80.0]"));
     EXPECT_EQ(json["lights"][1]["intensity"][1], 0);

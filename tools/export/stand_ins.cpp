@@ -17,6 +17,7 @@
 #include "tools/export/splat_fit.h"
 #include "tools/export/stage_kinds.h"
 #include "tools/results.h"
+#include "tools/stage/stage_verbs.h"
 
 namespace neuvv::tools {
 
@@ -70,6 +71,7 @@ void StandIns::expect_no_stop() const {
 
 void StandIns::read() {
     Progress progress("read", stage_->performers.size());
+    expect_time_on_stage(*stage_, "--time", options_.time_s);
     for (const stage::EvaluatedPerformer& performer : stage::stage_at(*stage_, options_.time_s).performers)
         read(performer, progress);
     if (stand_ins_.empty()) {

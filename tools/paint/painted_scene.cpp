@@ -48,6 +48,7 @@ StagedPerformer find_on_stage(const PaintOptions& options, PaintedScene::Use use
         staged.change = edit::add_paint_layer(file, staged.performer().node, options.layer, {});
         staged.stage = stage::make_stage(std::move(file));
     }
+    expect_time_on_stage(staged.stage, "--time", options.time_s.value_or(0));
     staged.evaluated = stage::stage_at(staged.stage, options.time_s.value_or(0));
     return staged;
 }

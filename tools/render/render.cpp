@@ -118,7 +118,9 @@ void add_view_options(Command verb, RenderOptions& options) {
     verb.add_option("--frames", options.frames,
                     "FIRST:LAST frame of the clip, from 0, fractions allowed; one number: that time. An orbit repeats "
                     "them for 4 s. Keys of --camera with a time ignore it");
-    verb.add_option("--time", options.time, "Of a stage: FROM:TO in seconds, or one time (default: all of it)");
+    verb.add_option(
+        "--time", options.time,
+        "Of a stage: FROM:TO in seconds, or one time, up to its end where nothing loops (default: all of it)");
     verb.add_option("--fps", options.fps,
                     "Images a second (default: that of --camera, else the clip's or the stage's); the clip keeps its "
                     "speed, and frames "
@@ -219,8 +221,9 @@ void expect_new_images(const RenderOptions& options, const media::ImageOutput& o
 
 void expect_fitting_output(const media::ImageOutput& output, size_t images) {
     if (output.kind == media::ImageOutput::Kind::kImage && images > 1)
-        throw InputError("--output", output.path.string(), fmt::format("is one file for {} images", images),
-                         "number them, as in out_%04d.png, or name one time by --frames or --time, and one key by --camera");
+        throw InputError(
+            "--output", output.path.string(), fmt::format("is one file for {} images", images),
+            "number them, as in out_%04d.png, or name one time by --frames or --time, and one key by --camera");
 }
 
 void expect_fitting_output(const media::ImageOutput& output, const RenderOptions& options) {

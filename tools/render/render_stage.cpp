@@ -17,6 +17,7 @@
 #include "tools/render/render_layers.h"
 #include "tools/report.h"
 #include "tools/say.h"
+#include "tools/stage/stage_verbs.h"
 #include "tools/view_path.h"
 
 namespace neuvv::tools {
@@ -121,6 +122,7 @@ void plan_time(const RenderOptions& options, StagePlan& plan) {
     }
     const bool moves = plan.path && !plan.is_stage_path && plan.path->keys.size() > 1;
     const auto [first_s, last_s] = time_range(options.time, moves ? plan.path->duration_s : plan.stage.duration_s);
+    expect_time_on_stage(plan.stage, "--time", first_s);
     const double images = std::max(1.0, std::round((last_s - first_s) * plan.fps));
     if (images > kMaxImages)
         throw InputError("--time", options.time, fmt::format("makes more than {} images", kMaxImages),

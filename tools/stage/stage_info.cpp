@@ -355,6 +355,7 @@ void print(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, co
 
 void print_stage_info(const StageInfoOptions& options, const CommonOptions& common) {
     const stage::Stage stage = stage::load_stage(options.stage);
+    expect_time_on_stage(stage, "--at", options.at_s);
     const stage::EvaluatedStage evaluated = stage::stage_at(stage, options.at_s);
     const std::vector<ClipMemory> memory =
         options.memory ? measure_memory(stage, options, common) : std::vector<ClipMemory>();

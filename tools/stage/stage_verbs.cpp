@@ -1,9 +1,12 @@
 #include "tools/stage/stage_verbs.h"
-#include "base/output_path.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/error.h"
+#include "base/output_path.h"
 #include "editor/open_file.h"
 #include "media/image.h"
 #include "media/sound.h"
@@ -95,6 +98,31 @@ uint32_t find_performer(const stage::Stage& stage, const std::string& option, co
             if (all[i].node == index) return i;
     }
     throw InputError(option, node, "is no performer of the stage", fix);
+}
+
+namespace {
+
+// The stage time after which nothing changes any more; INFINITY where something does for ever.
+double last_change_s(const stage::Stage& stage) {
+    double last = stage.duration_s;
+    for (const stage::StagePerformer& performer : stage.performers)
+        last = std::max(last, performer.settings.spin_deg_per_s != 0 ? INFINITY : stage::length_s(performer.timeline));
+    for (const stage::GltfAnimation& animation : stage.scene.animations) last = std::max(last, animation.duration_s);
+    if (const auto& path = stage.settings.camera_path; path && path->keys.size() > 1)
+        last = std::max(last, path->cyclic ? INFINITY : path->duration_s);
+    return last;
+}
+
+}  // namespace
+
+void expect_time_on_stage(const stage::Stage& stage, const std::string& option, double time_s) {
+    const double last_s = last_change_s(stage);
+    if (last_s > 0 && time_s > last_s)
+        throw InputError(
+            option, fmt::format("{:g}", time_s),
+            fmt::format("nothing on {} changes after {:.6g} s, when it has ended", stage.file.path.filename().string(),
+                        last_s),
+            fmt::format("choose 0 to {:.6g}, or let performers loop (`neuvv stage set --time loop`)", last_s));
 }
 
 void append_change(std::string& changes, const std::string& change) {

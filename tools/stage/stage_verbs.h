@@ -49,6 +49,10 @@ std::pair<Command, Options&> add_edit_verb(Command stage, const std::string& nam
 // performer. Throws InputError naming the option, and the performers from which to choose.
 uint32_t find_performer(const stage::Stage& stage, const std::string& option, const std::string& node);
 
+// Throws InputError, which names the option, for a time after which nothing on the stage changes any more. What loops
+// or spins changes for ever; where nothing ever changes, any time will do.
+void expect_time_on_stage(const stage::Stage& stage, const std::string& option, double time_s);
+
 // Appends what an operation did to what others did before it.
 void append_change(std::string& changes, const std::string& change);
 
