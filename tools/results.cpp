@@ -149,7 +149,7 @@ void prepare_results(const std::string& option, const std::filesystem::path& fol
 void expect_there(const std::filesystem::path& file) {
     std::error_code error;
     if (file.empty() || stream::is_address(file) || std::filesystem::exists(file, error)) return;
-    throw InputError(file.string(), "", error ? error.message() : "there is no such file or folder");
+    throw InputError(file.string(), "", error ? error.message() : "there is no such file or folder", "check the path");
 }
 
 void prepare_images(const std::string& option, const media::ImageOutput& output, uint32_t first, uint32_t end) {

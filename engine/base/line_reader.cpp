@@ -24,7 +24,8 @@ LineReader::LineReader(int descriptor, size_t longest)
 
 LineReader::LineReader(const std::filesystem::path& file, size_t longest)
     : LineReader(open(file.c_str(), O_RDONLY | O_CLOEXEC), longest) {
-    if (descriptor_ < 0) throw InputError(file.string(), "", fmt::format("cannot be read: {}", std::strerror(errno)));
+    if (descriptor_ < 0)
+        throw InputError(file.string(), "", fmt::format("cannot be read: {}", std::strerror(errno)), "check the path");
     owned_ = true;
 }
 

@@ -29,12 +29,16 @@ namespace {
 // A regular file and its size. A pipe would be opened without waiting for its writer, which blocks all others.
 std::pair<int, uint64_t> open_regular_file(const std::filesystem::path& path) {
     const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-    if (descriptor < 0) throw InputError(path.string(), "", fmt::format("cannot open: {}", std::strerror(errno)));
+    if (descriptor < 0) {
+        const int error = errno;
+        throw InputError(path.string(), "", fmt::format("cannot open: {}", std::strerror(error)),
+                         error == EACCES ? "check its permissions" : "check the path");
+    }
     struct stat status {};
     if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode))
         return {descriptor, static_cast<uint64_t>(status.st_size)};
     close(descriptor);
-    throw InputError(path.string(), "", "is not a regular file");
+    throw InputError(path.string(), "", "is not a regular file", "name a file");
 }
 
 uint64_t rounded_up(uint64_t bytes) {

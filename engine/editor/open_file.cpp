@@ -40,7 +40,8 @@ std::filesystem::path opened_file(const std::filesystem::path& given) {
     const std::filesystem::path path = voctree::clip_path(given);
     std::error_code error;
     const auto kind = std::filesystem::status(path, error).type();
-    if (kind == std::filesystem::file_type::not_found) throw InputError(path.string(), "", "there is no such file");
+    if (kind == std::filesystem::file_type::not_found)
+        throw InputError(path.string(), "", "there is no such file", "check the path");
     return kind == std::filesystem::file_type::directory && !voctree::is_segmented(path) ? newest_clip(path) : path;
 }
 

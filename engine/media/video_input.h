@@ -14,7 +14,9 @@ class VideoInput {
     explicit VideoInput(const std::filesystem::path& path) : path_(path) {
         av_log_set_level(AV_LOG_QUIET);  // only tools print
         AVFormatContext* opened = nullptr;
-        check(open_video_file(path, &opened), "cannot open as a video");
+        if (const int code = open_video_file(path, &opened); code < 0)
+            throw InputError(path.string(), "", fmt::format("cannot open as a video: {}", error_text(code)),
+                             code == AVERROR(ENOENT) ? "check the path" : "give a video that FFmpeg can read");
         context_.reset(opened);
         check(avformat_find_stream_info(opened, nullptr), "cannot find its streams");
         index_ = av_find_best_stream(opened, AVMEDIA_TYPE_VIDEO, -1, -1, &decoder_, 0);

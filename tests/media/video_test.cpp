@@ -284,9 +284,11 @@ TEST(Video, WhatCannotBeWrittenIsRefused) {
 
 TEST(Video, WhatCannotBeReadIsNamed) {
     const TemporaryFolder folder;
-    expect_input_error([&] { media::summarise_video(folder.path / "none.mp4"); }, {"none.mp4", "cannot open"});
+    expect_input_error([&] { media::summarise_video(folder.path / "none.mp4"); },
+                       {"none.mp4", "cannot open", "check the path"});
     write_text(folder.path / "text.mp4", "#EXTM3U\nhttp://example.org/a.ts\n");
-    expect_input_error([&] { media::summarise_video(folder.path / "text.mp4"); }, {"text.mp4", "cannot open"});
+    expect_input_error([&] { media::summarise_video(folder.path / "text.mp4"); },
+                       {"text.mp4", "cannot open", "FFmpeg"});
     write_video(folder.path / "a.mp4", 64, 64, 25, 24);
     const std::string bytes = read_text(folder.path / "a.mp4");
     for (const double part : {0.01, 0.3, 0.6, 0.9}) {

@@ -177,13 +177,21 @@ TEST_F(Cli, AnOptionHasAValue) {
 }
 
 TEST_F(Cli, WhatIsNotThereIsSaid) {
-    expect_refused({"dataset", file("none")}, 2, {"none", "there is no such folder"});
+    expect_refused({"dataset", file("none")}, 2, {"none", "there is no such folder; check the path"});
+    expect_refused({"eval", scene, file("none")}, 2, {"none", "there is no such folder; check the path"});
     expect_refused({"train", file("none"), "-o", file("x.nvv")}, 2, {"none", "there is no such folder"});
     expect_refused({"eval", scene, scene}, 2, {"is a file, not the folder of a data set"});
-    expect_refused({"view", file("none.nvv")}, 2, {"none.nvv", "there is no such file"});
+    expect_refused({"view", file("none.nvv")}, 2, {"none.nvv", "there is no such file", "check the path"});
+    const std::string image = file("x.mp4"), camera = file("none.json");
+    expect_refused({"render", scene, "-o", image, "--camera", camera}, 2, {"none.json: cannot open", "check the path"});
+    const std::string show = file("s.gltf");
+    ASSERT_EQ(run_neuvv({"stage", "new", show}).code, 0);
+    ASSERT_EQ(run_neuvv({"stage", "add", show, scene, "--name", "anna"}).code, 0);
+    expect_refused({"stage", "set", show, "anna", "--sound", file("none.wav")}, 2,
+                   {"none.wav: cannot open", "check the path"});
     expect_refused({"xr", file("none.gltf")}, 2, {"none.gltf", "there is no such file"});
     expect_refused({"view", scene, "--report", scene}, 2, {"--report", ".json"});
-    EXPECT_EQ(folder.entries(), 1u);
+    EXPECT_EQ(folder.entries(), 2u);
 }
 
 TEST_F(Cli, AMachineWithoutAVulkanDriverIsTold) {

@@ -121,7 +121,8 @@ std::filesystem::path paint_file(const std::filesystem::path& layer, const ClipS
 void expect_paint_folder(const std::filesystem::path& layer) {
     std::error_code error;
     if (std::filesystem::is_directory(layer, error)) return;
-    if (!std::filesystem::exists(layer, error)) throw InputError(layer.string(), "", "there is no such folder");
+    if (!std::filesystem::exists(layer, error))
+        throw InputError(layer.string(), "", "there is no such folder", "check the path");
     throw InputError(layer.string(), "", "is a file, but paint on a clip in segments is a folder",
                      Remedy::kNamePaintFolder);
 }

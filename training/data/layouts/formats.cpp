@@ -45,7 +45,8 @@ constexpr Format kFormats[] = {
 
 const Format& find_format(const std::filesystem::path& folder, const std::string& name) {
     std::error_code ignored;
-    if (!std::filesystem::exists(folder, ignored)) throw InputError(folder.string(), "", "there is no such folder");
+    if (!std::filesystem::exists(folder, ignored))
+        throw InputError(folder.string(), "", "there is no such folder", "check the path");
     if (!std::filesystem::is_directory(folder, ignored))
         throw InputError(folder.string(), "", "is a file, not the folder of a data set", "name its folder");
     std::string known;
