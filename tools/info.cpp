@@ -16,6 +16,7 @@
 #include "tools/stage/stage_verbs.h"
 #include "training/run/checkpoint.h"
 #include "training/run/claim.h"
+#include "voctree/files/chunk_file.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/clip_index.h"
 #include "voctree/files/half.h"
@@ -196,6 +197,17 @@ void print_file(const InfoOptions& options, const voctree::NvvSummary& summary) 
         print(options, summary);
 }
 
+// Throws InputError, which names the verb that tells of it, for a layer of paint and for a folder that is no clip.
+void expect_clip(const std::string& file) {
+    std::error_code error;
+    if (voctree::content_of(file) == voctree::FileContent::kPaint)
+        throw InputError(file, "", "is a layer of paint",
+                         fmt::format("`neuvv paint info SCENE {}` says what it holds", file));
+    if (!std::filesystem::is_directory(file, error) || voctree::is_segmented(file)) return;
+    throw InputError(file, "", "is a folder, and no clip in segments",
+                     fmt::format("`neuvv dataset {}` says what a folder of images holds", file));
+}
+
 void run(const InfoOptions& options, const CommonOptions& common) {
     if (editor::has_stage_ending(options.file)) {
         if (options.check)
@@ -207,6 +219,7 @@ void run(const InfoOptions& options, const CommonOptions& common) {
         return print_stage_info(stage, common);
     }
     if (options.memory) throw InputError("--memory", options.file, "is for stages", "leave it out");
+    expect_clip(options.file);
     switch (voctree::kind_of(options.file)) {
         case voctree::ClipKind::kStream:
             return print_stream_info(options.file, options.json, options.check);

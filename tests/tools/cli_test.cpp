@@ -194,6 +194,14 @@ TEST_F(Cli, WhatIsNotThereIsSaid) {
     EXPECT_EQ(folder.entries(), 2u);
 }
 
+TEST_F(Cli, InfoNamesTheVerbThatTellsMore) {
+    const std::string layer = file("red.nvpaint"), images = file("images");
+    ASSERT_EQ(run_neuvv({"paint", "region", scene, layer, "--box", "-9,-9,-9,9,9,9", "--hue", "9"}).code, 0);
+    expect_refused({"info", layer}, 2, {"is a layer of paint", "`neuvv paint info SCENE " + layer + "`"});
+    std::filesystem::create_directory(images);
+    expect_refused({"info", images}, 2, {"is a folder", "`neuvv dataset " + images + "`"});
+}
+
 TEST_F(Cli, AMachineWithoutAVulkanDriverIsTold) {
     const std::string none = "NEUVV_DEVICE= VK_DRIVER_FILES=/none VK_ICD_FILENAMES=/none";
     for (const std::vector<std::string>& words :
