@@ -64,9 +64,11 @@ TEST_F(CliPublish, ARateIsKept) {
     EXPECT_LE(half.at("mbps"), 0.6 * fine);
     EXPECT_GT(half.at("mbps"), 0.3 * fine);
     EXPECT_FALSE(half.contains("psnr_db"));
-    const ProgramResult least = run_neuvv({"publish", "--overwrite", scene, "-o", stream, "--rate", "0.01"});
+    EXPECT_LE(half.at("most_mbps"), 0.6 * fine);
+    const ProgramResult least = run_neuvv({"publish", "--overwrite", scene, "-o", stream, "--rate", "0.01", "--json"});
     EXPECT_EQ(least.code, 0) << least.err;
-    EXPECT_NE(least.err.find("not 0.01"), std::string::npos) << least.err;
+    EXPECT_NE(least.err.find("--rate 0.01 is not reached: a group takes up to 0."), std::string::npos) << least.err;
+    EXPECT_GT(nlohmann::json::parse(least.out).at("most_mbps"), 0.01);
 }
 
 TEST_F(CliPublish, SegmentsBecomeOneStream) {

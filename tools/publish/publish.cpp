@@ -242,12 +242,19 @@ void run(const PublishOptions& options, const CommonOptions& common) {
     const auto frames = static_cast<double>(index.frames.size());
     const double bytes_per_frame = static_cast<double>(published.bytes) / frames;
     const double mbps = 8e-6 * bytes_per_frame * double{index.fps};
+    if (options.rate_mbps && published.most_mbps > *options.rate_mbps)
+        say("{}: --rate {:g} is not reached: a group takes up to {:.3g} Mbit/s, though rounded as coarsely as is "
+            "possible; fewer leaves take less (--max-leaves of `neuvv train`)\n",
+            options.output, *options.rate_mbps, published.most_mbps);
     if (options.json) {
         nlohmann::ordered_json json = {
             {"input", options.scene},        {"output", options.output},           {"bytes", published.bytes},
             {"frames", index.frames.size()}, {"bytes_per_frame", bytes_per_frame}, {"mbps", mbps}};
         if (!scene.layers.empty()) json["paint_layers"] = scene.layers.size();
-        if (!options.rate_mbps) json["psnr_db"] = published.psnr;
+        if (options.rate_mbps)
+            json["most_mbps"] = published.most_mbps;
+        else
+            json["psnr_db"] = published.psnr;
         tell("{}", json_text(json));
         return;
     }
@@ -256,9 +263,6 @@ void run(const PublishOptions& options, const CommonOptions& common) {
         scene.layers.empty() ? "" : fmt::format("; visible layers of paint: {}", scene.layers.size());
     tell("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}{}\n", options.output, size_text(published.bytes),
          index.frames.size(), bytes_per_frame / 1000, mbps, quality, paint);
-    if (options.rate_mbps && published.most_mbps > *options.rate_mbps)
-        say("{}: up to {:.1f} Mbit/s, not {}, though rounded as coarsely as is possible\n", options.output,
-            published.most_mbps, *options.rate_mbps);
 }
 
 }  // namespace
@@ -287,7 +291,7 @@ void add_publish(Command app, CommonOptions& common) {
         .in_range(1, 100)
         .show_default();
     verb.add_option("--size", options->size, "WIDTHxHEIGHT of them").show_default();
-    verb.add_flag("--json", options->json, "Print JSON: bytes, frames, bytes_per_frame, mbps, psnr_db, paint_layers");
+    verb.add_flag("--json", options->json, "Print JSON: bytes, frames, bytes_per_frame, mbps, most_mbps (of a group), psnr_db, paint_layers");
     verb.footer(
         {"A stream has every frame as it is shown. It is played as the clip is, but it cannot be trained on or "
          "painted,\nand between two frames it shows the nearer one. Segments that overlap do not fade into each other "
