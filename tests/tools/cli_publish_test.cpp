@@ -71,6 +71,26 @@ TEST_F(CliPublish, ARateIsKept) {
     EXPECT_GT(nlohmann::json::parse(least.out).at("most_mbps"), 0.01);
 }
 
+// The index and the tables of groups count for the rate, but for no frame.
+TEST_F(CliPublish, TheLargestFrameIsNoSmallerThanTheMean) {
+    publish(scene, {"--quality", "30"});
+    const ProgramResult info = run_neuvv({"info", stream});
+    const size_t line = info.out.find("\nframes ");
+    ASSERT_NE(line, std::string::npos) << info.out;
+    double mean = 0, most = 0;
+    ASSERT_EQ(std::sscanf(info.out.c_str() + line, "\nframes %lf KB without them, %lf KB at most", &mean, &most), 2)
+        << info.out;
+    EXPECT_GT(mean, 0);
+    EXPECT_LE(mean, most);
+    double parts = 0;
+    for (size_t at = info.out.find('\n', line + 1); at + 1 < info.out.size(); at = info.out.find('\n', at + 1)) {
+        double part = 0;
+        EXPECT_EQ(std::sscanf(info.out.c_str() + at, "\n%*s %lf KB a frame", &part), 1) << info.out;
+        parts += part;
+    }
+    EXPECT_NEAR(parts, mean, 0.3) << "each is rounded to 0.1";
+}
+
 TEST_F(CliPublish, SegmentsBecomeOneStream) {
     const std::string parts = file("parts.nvv");
     write_segmented_copy(tree, {1, 3}, parts, 1);

@@ -291,7 +291,8 @@ void add_publish(Command app, CommonOptions& common) {
         .in_range(1, 100)
         .show_default();
     verb.add_option("--size", options->size, "WIDTHxHEIGHT of them").show_default();
-    verb.add_flag("--json", options->json, "Print JSON: bytes, frames, bytes_per_frame, mbps, most_mbps (of a group), psnr_db, paint_layers");
+    verb.add_flag("--json", options->json,
+                  "Print JSON: bytes, frames, bytes_per_frame, mbps, most_mbps (of a group), psnr_db, paint_layers");
     verb.footer(
         {"A stream has every frame as it is shown. It is played as the clip is, but it cannot be trained on or "
          "painted,\nand between two frames it shows the nearer one. Segments that overlap do not fade into each other "

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "base/formats/json.h"
 #include "stream/nvs_reader.h"
@@ -66,8 +67,11 @@ void print_stream_info(const std::filesystem::path& path, bool json, bool check)
          index.fps, seconds, index.groups.size());
     tell("{}", capture_line(path));
     tell("leaves  {} at most, in cells of {} a side\n", most_leaves, 1u << index.groups[0].format.depth);
-    tell("rate    {:.1f} Mbit/s, {:.1f} KB a frame, {:.1f} KB at most\n", mbps,
-         1e-3 * static_cast<double>(all) / frames, 1e-3 * static_cast<double>(largest));
+    const uint64_t of_frames = std::accumulate(bytes.begin(), bytes.end(), uint64_t{0});
+    tell("rate    {:.1f} Mbit/s, {:.1f} KB a frame with the tables of its group and the index\n", mbps,
+         1e-3 * static_cast<double>(all) / frames);
+    tell("frames  {:.1f} KB without them, {:.1f} KB at most; of these\n",
+         1e-3 * static_cast<double>(of_frames) / frames, 1e-3 * static_cast<double>(largest));
     for (size_t part = 0; part < stream::kParts; ++part)
         tell("{:<10} {:>8.1f} KB a frame\n", kPartNames[part], 1e-3 * static_cast<double>(bytes[part]) / frames);
     if (check) tell("checked: whole and sound\n");
