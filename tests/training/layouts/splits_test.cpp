@@ -105,6 +105,19 @@ TEST_F(Splits, TheUserHoldsOutCamerasOfAnyLayout) {
     EXPECT_EQ(train.shots[3].time, 1);
 }
 
+TEST_F(Splits, WhereNoImageIsFoundWhatIsThereIsNamed) {
+    write_easymocap();
+    std::filesystem::remove_all(folder.path / "images");
+    for (int i = 0; i < 6; ++i) write_text(folder.path / "images" / fmt::format("shot{}.tif", i), "");
+    expect_input_error(
+        [&] { cameras(Split::kTrain); },
+        {"no image of any camera of intri.yml (cam01, cam02, cam03): it holds extri.yml, images/, intri.yml",
+         "images/ holds shot0.tif, shot1.tif, shot2.tif, shot3.tif and 2 more", "images/<camera>/"});
+    std::filesystem::remove_all(folder.path / "images");
+    std::filesystem::create_directories(folder.path / "images");
+    expect_input_error([&] { cameras(Split::kTrain); }, {"images/ holds nothing"});
+}
+
 TEST_F(Splits, OneCameraMayBeTrained) {
     names = {"only"};
     write_easymocap();

@@ -71,7 +71,9 @@ Rig read_polycam_rig(const std::filesystem::path& folder, Split split) {
         add_cameras(rig, stills, split);
         return rig;
     }
-    throw InputError(folder.string(), "", "holds no images of Polycam in keyframes/images",
+    throw InputError(folder.string(), "",
+                     fmt::format("holds no images of Polycam in keyframes/images, but {}",
+                                 entries_text(folder / kPolycamFolders[1].second)),
                      "export Raw Data in Polycam, with developer mode on");
 }
 

@@ -124,7 +124,10 @@ Rig read_record3d_rig(const std::filesystem::path& folder, Split split) {
         still.frames[kOnlyFrame] = image;
         stills.push_back(std::move(still));
     }
-    if (stills.empty()) throw InputError(recording.images.string(), "", "holds no image", "export the recording again");
+    if (stills.empty())
+        throw InputError(recording.images.string(), "",
+                         fmt::format("holds no .png or .jpg, but {}", entries_text(recording.images)),
+                         "export the recording again");
     rig.remarks.emplace_back(kOneMoment);
     add_cameras(rig, stills, split);
     return rig;

@@ -115,6 +115,24 @@ void pair_by_order(Rig& rig, std::vector<CalibratedCamera>& cameras) {
     }
 }
 
+namespace {
+
+[[noreturn]] void fail_without_images(const Rig& rig, const std::vector<CalibratedCamera>& calibrated) {
+    std::vector<std::string> names;
+    for (const CalibratedCamera& from : calibrated) names.push_back(from.camera.name);
+    std::string found = entries_text(rig.folder);
+    std::error_code ignored;
+    for (const auto& folder : {images_folder(rig.folder).path, rig.folder / "videos"})
+        if (std::filesystem::is_directory(folder, ignored))
+            found += fmt::format("; {}/ holds {}", folder.filename().string(), entries_text(folder));
+    throw InputError(rig.folder.string(), "",
+                     fmt::format("holds no image of any camera of {} ({}): it holds {}",
+                                 std::filesystem::path(rig.file).filename().string(), first_names(names), found),
+                     "put .png or .jpg files into images/<camera>/, or give videos/<camera>.mp4");
+}
+
+}  // namespace
+
 std::vector<CameraFrames> find_images(Rig& rig, std::vector<CalibratedCamera> calibrated) {
     pair_by_order(rig, calibrated);
     const std::filesystem::path masks = masks_folder(rig.folder);
@@ -138,9 +156,7 @@ std::vector<CameraFrames> find_images(Rig& rig, std::vector<CalibratedCamera> ca
         }
         cameras.push_back(std::move(camera));
     }
-    if (cameras.empty())
-        throw InputError(rig.folder.string(), "", fmt::format("holds no image of any camera of {}", rig.file),
-                         "put them into images/<camera>/ or videos/<camera>.mp4");
+    if (cameras.empty()) fail_without_images(rig, calibrated);
     name_by_time(rig, cameras);
     if (cameras.size() < calibrated.size())
         rig.remarks.push_back(fmt::format("{} of {} calibrated cameras have no images, and are left out",

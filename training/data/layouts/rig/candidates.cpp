@@ -46,12 +46,24 @@ std::string portable_name(std::string name) {
     return name;
 }
 
-std::string choice_remark(const std::string& chosen, const std::vector<std::string>& others) {
+std::string first_names(const std::vector<std::string>& names) {
     constexpr size_t kMostNames = 4;
-    std::string names;
-    for (size_t i = 0; i < std::min(others.size(), kMostNames); ++i) names += (i == 0 ? "" : ", ") + others[i];
-    if (others.size() > kMostNames) names += fmt::format(" and {} more", others.size() - kMostNames);
-    return fmt::format("{} was read, not {}", chosen, names);
+    std::string text;
+    for (size_t i = 0; i < std::min(names.size(), kMostNames); ++i) text += (i == 0 ? "" : ", ") + names[i];
+    if (names.size() > kMostNames) text += fmt::format(" and {} more", names.size() - kMostNames);
+    return text;
+}
+
+std::string choice_remark(const std::string& chosen, const std::vector<std::string>& others) {
+    return fmt::format("{} was read, not {}", chosen, first_names(others));
+}
+
+std::string entries_text(const std::filesystem::path& folder) {
+    std::vector<std::string> names;
+    std::error_code ignored;
+    for (const auto& entry : entries_of(folder))
+        names.push_back(entry.filename().string() + (std::filesystem::is_directory(entry, ignored) ? "/" : ""));
+    return names.empty() ? "nothing" : first_names(names);
 }
 
 Choice newest_of(std::vector<std::filesystem::path> files) {

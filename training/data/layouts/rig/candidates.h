@@ -38,6 +38,12 @@ std::vector<std::vector<std::filesystem::path>> session_folders(const std::files
 // smaller copies.
 Choice images_folder(const std::filesystem::path& folder);
 
+// The first four names, and how many more there are: "B, C, D, E and 3 more".
+std::string first_names(const std::vector<std::string>& names);
+
+// What a folder holds, for errors: "0001.tif, masks/ and 3 more"; "nothing" where it holds nothing, or is not there.
+std::string entries_text(const std::filesystem::path& folder);
+
 // "A was read", and what else was there: "A was read, not B, C and 3 more".
 std::string choice_remark(const std::string& chosen, const std::vector<std::string>& others);
 
