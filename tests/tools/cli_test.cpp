@@ -59,6 +59,11 @@ TEST_F(Cli, EvalHelpDefinesTheMetrics) {
         EXPECT_NE(help.find(word), std::string::npos) << word;
 }
 
+TEST_F(Cli, ExportHelpSaysHowAllPerformersAreWritten) {
+    const std::string help = run_neuvv({"export", "--help"}).out;
+    EXPECT_LT(help.find("{performer}"), help.find("\n  --performer")) << "with --output";
+}
+
 // The job script, without Slurm: tests/slurm has the real one.
 TEST_F(Cli, AClusterIsGivenAScript) {
     const std::string show = file("show.nvv");

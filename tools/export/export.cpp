@@ -264,7 +264,8 @@ void add_export(Command app, CommonOptions& common) {
     verb.add_option(
             "-o,--output", options->output,
             "out_%04d.ply, .glb, .usda, .obj, .npz or .vdb for a file each frame; a .glb or .usda may hold them all. "
-            "Of a stage's cameras and layout, see --as: one .usda, .glb or .json")
+            "Of a stage, {performer} in the name stands for each performer's own: all of them are written. Of a stage's "
+            "cameras and layout, see --as: one .usda, .glb or .json")
         .required();
     verb.add_option(
             "--as", options->kind,
@@ -289,6 +290,7 @@ void add_export(Command app, CommonOptions& common) {
                  "  neuvv export work/performer.nvv -o work/mesh_%04d.obj --frames 0:1\n"
                  "  neuvv export work/performer.nvv -o work/meshes.glb --as mesh --frames 0:1 --most-triangles 20000\n"
                  "  neuvv export work/performer.nvv -o work/volume/frame_%04d.vdb --frames 0:2 --iso 0.5\n"
+                 "  neuvv export work/show.gltf --stage-space -o 'work/{performer}_%04d.ply' --frames 0:4\n"
                  "  neuvv export work/show.gltf --as nerfstudio -o work/camera_path.json\n"
                  "  neuvv export work/show.gltf --as layout -o work/show.usda\n"
                  "  neuvv export work/show.gltf --as stand-ins -o work/show_splats.glb"});
