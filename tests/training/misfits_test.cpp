@@ -97,6 +97,27 @@ TEST(Misfits, SwappedCamerasAreFound) {
     }
 }
 
+// The small mattes of 320 and of 319 pixels are of one size; a camera cannot read the other's images.
+TEST(Misfits, CamerasOfOtherSizesAreNotSwapped) {
+    for (const uint32_t side : {320u, 319u}) {
+        SCOPED_TRACE(side);
+        training::Dataset dataset = armed_figure(9);
+        for (uint32_t c = 0; c < 9; ++c) {
+            stage::Camera& camera = dataset.cameras[c];
+            camera.width = camera.height = c == 2 ? side : 320;
+            for (double* pixels : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *pixels *= camera.width / 64.0;
+        }
+        for (training::View& view : dataset.views) {
+            const uint32_t width = dataset.cameras[view.camera].width;
+            view.image = training::TiledImage(media::Image(width, width));
+        }
+        for (uint32_t c = 0; c < 9; ++c) repaint(dataset, c);
+        std::swap(dataset.cameras[2].world_from_camera, dataset.cameras[7].world_from_camera);
+        const training::Misfits found = training::find_misfits(dataset);
+        EXPECT_EQ(found.swapped.size(), side == 320 ? 1u : 0u);
+    }
+}
+
 TEST(Misfits, SwappedCamerasAreFoundBesideOtherMistakes) {
     training::Dataset dataset = armed_figure(15);
     cut_arm(dataset, 2 * kFigureFrames);

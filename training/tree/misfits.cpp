@@ -40,7 +40,9 @@ double lower_median(std::vector<double> values) {
 // All mattes, and what they say of the cameras.
 class CameraJudge {
   public:
-    CameraJudge(Dataset mattes, size_t most_wrong) : dataset_(std::move(mattes)), most_wrong_(most_wrong) {
+    // `mattes` are small; `cameras`, which must outlive it, have the sizes of the images.
+    CameraJudge(Dataset mattes, const std::vector<stage::Camera>& cameras, size_t most_wrong)
+        : dataset_(std::move(mattes)), cameras_(cameras), most_wrong_(most_wrong) {
         const auto box = judged_box(dataset_);
         for (const double time : dataset_.times) times_.emplace_back(dataset_, time, box, most_wrong);
     }
@@ -65,6 +67,7 @@ class CameraJudge {
     double median_unexplained_at(uint32_t from, uint32_t at, const std::vector<bool>& trusted) const;
 
     Dataset dataset_;
+    const std::vector<stage::Camera>& cameras_;
     size_t most_wrong_;
     std::vector<CameraEvidence> times_;
 };
@@ -148,7 +151,9 @@ double CameraJudge::unexplained_sum(const std::vector<bool>& trusted) const {
     return sum;
 }
 
+// Cameras of other sizes cannot have each other's images, even where their small mattes are of one size.
 bool CameraJudge::may_be_swapped(uint32_t a, uint32_t b, std::vector<bool> agreeing) const {
+    if (cameras_[a].width != cameras_[b].width || cameras_[a].height != cameras_[b].height) return false;
     agreeing[a] = agreeing[b] = false;
     return median_unexplained_at(a, b, agreeing) < kSettledUnexplained &&
            median_unexplained_at(b, a, agreeing) < kSettledUnexplained;
@@ -160,7 +165,7 @@ std::optional<SwappedCameras> CameraJudge::judge_swap(uint32_t a, uint32_t b, st
     agreeing[a] = agreeing[b] = false;
     const double others = unexplained_sum(agreeing);
     agreeing[a] = agreeing[b] = true;
-    const CameraJudge swapped(with_swapped(a, b), most_wrong_);
+    const CameraJudge swapped(with_swapped(a, b), cameras_, most_wrong_);
     const std::vector<CameraFit> fits = swapped.judge(agreeing);
     if (!is_settled(fits[a]) || !is_settled(fits[b])) return {};
     const double before = unexplained_sum(agreeing), after = swapped.unexplained_sum(agreeing);
@@ -199,7 +204,7 @@ Misfits find_misfits(const Dataset& look) {
     const size_t most = most_misfits(look.cameras.size());
     Misfits found;
     if (most == 0) return found;
-    std::optional<CameraJudge> judge(std::in_place, small_mattes(look), most);
+    std::optional<CameraJudge> judge(std::in_place, small_mattes(look), look.cameras, most);
     std::vector<bool> agreeing;
     while (true) {
         agreeing = judge->find_agreeing();
@@ -209,7 +214,7 @@ Misfits find_misfits(const Dataset& look) {
         if (!pair) break;
         found.swapped.push_back(*pair);
         Dataset swapped = judge->with_swapped(pair->a, pair->b);
-        judge.emplace(std::move(swapped), most);
+        judge.emplace(std::move(swapped), look.cameras, most);
     }
     if (look.times.size() < kMinMisfitTimes) return found;
     for (uint32_t camera = 0; camera < agreeing.size(); ++camera) {
