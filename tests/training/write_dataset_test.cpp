@@ -197,6 +197,24 @@ TEST_F(WriteDataset, CamerasKeepTheirNames) {
     }
 }
 
+TEST_F(WriteDataset, EachCameraHasAPlateOfItsOwn) {
+    nlohmann::json document = {{"fl_x", 60}};
+    const std::vector<std::string> cameras = {"left/top", "left_top", "right"};
+    for (size_t c = 0; c < cameras.size(); ++c) {
+        const std::string image = fmt::format("{}/{}.png", cameras[c], c), plate = fmt::format("bare{}.png", c);
+        test::write_grey_png(from() / image, 64, 48);
+        test::write_grey_png(from() / plate, 64, 48, static_cast<uint8_t>(10 * (c + 1)));
+        document["frames"].push_back({{"file_path", image},
+                                      {"background_path", plate},
+                                      {"transform_matrix", {{1, 0, 0, c}, {0, 1, 0, 0}, {0, 0, 1, 3}, {0, 0, 0, 1}}}});
+    }
+    write_text(from() / "transforms.json", document.dump());
+    write("0");
+    const training::Dataset read = training::load_dataset(to(), Split::kTrain, {.mattes_needed = false});
+    ASSERT_EQ(read.plates.size(), 3u);
+    for (size_t c = 0; c < 3; ++c) EXPECT_EQ(read.plates[c].at(5, 5)[0], 10 * (c + 1)) << read.camera_names[c];
+}
+
 TEST_F(WriteDataset, ItStopsWhereTheCallerSays) {
     write_capture(false);
     const training::WriteSummary wrote =

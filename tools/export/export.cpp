@@ -264,7 +264,8 @@ void add_export(Command app, CommonOptions& common) {
     verb.add_option(
             "-o,--output", options->output,
             "out_%04d.ply, .glb, .usda, .obj, .npz or .vdb for a file each frame; a .glb or .usda may hold them all. "
-            "Of a stage, {performer} in the name stands for each performer's own: all of them are written. Of a stage's "
+            "Of a stage, {performer} in the name stands for each performer's own: all of them are written. Of a "
+            "stage's "
             "cameras and layout, see --as: one .usda, .glb or .json")
         .required();
     verb.add_option(

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 
 #include "base/threads/parallel.h"
 #include "media/image.h"
@@ -42,6 +43,22 @@ ImageNames image_names(const std::vector<Rig>& rigs) {
         }
     if (!distinct)
         for (auto& [shot, name] : names) name = shot->name;
+    return names;
+}
+
+// The file of each camera's plate, by the camera's name. Where "a/b" would get that of "a_b", it gets one of its own.
+using PlateNames = std::map<std::string, std::string>;
+PlateNames plate_names(const std::vector<Rig>& rigs) {
+    PlateNames names;
+    for (const Rig& rig : rigs)
+        for (const RigCamera& camera : rig.cameras) names[camera.name] = file_name(camera.name);
+    std::set<std::string> taken;
+    for (const auto& [camera, file] : names)
+        if (camera == file) taken.insert(file);
+    for (auto& [camera, file] : names) {
+        if (camera == file) continue;
+        while (!taken.insert(file).second) file += "_";
+    }
     return names;
 }
 
@@ -83,11 +100,12 @@ class Count {
 class SplitWriter {
   public:
     SplitWriter(const std::filesystem::path& output, const WriteSummary& summary, const Rig& rig,
-                const ImageNames& names, Count& count, uint32_t reduction)
+                const ImageNames& names, const PlateNames& plates, Count& count, uint32_t reduction)
         : output_(output),
           summary_(summary),
           rig_(rig),
           names_(names),
+          plates_(plates),
           cameras_(cameras_of(rig)),
           count_(count),
           reduction_(reduction) {
@@ -118,7 +136,7 @@ class SplitWriter {
             const RigCamera& camera = rig_.cameras[shot.camera];
             const std::string image = names_.at(&shot) + ".png";
             transforms.frames.push_back({shot.camera, shot.time, "images/" + image,
-                                         camera.plate.path.empty() ? "" : "plates/" + file_name(camera.name) + ".png",
+                                         camera.plate.path.empty() ? "" : "plates/" + plates_.at(camera.name) + ".png",
                                          summary_.masks ? "masks/" + image : ""});
         }
         write_transforms_file(file, transforms);
@@ -128,7 +146,7 @@ class SplitWriter {
     void write_camera(size_t c, const std::vector<const Shot*>& shots) {
         CameraImages images(rig_, static_cast<uint32_t>(c), cameras_[c]);
         if (images.plate().width > 0)
-            write("plates", file_name(rig_.cameras[c].name), reduced(images.plate(), reduction_));
+            write("plates", plates_.at(rig_.cameras[c].name), reduced(images.plate(), reduction_));
         for (const Shot* shot : shots) {
             if (count_.stopped()) return;
             const CameraImage read = images.read(*shot, Background::kCaptured);
@@ -153,6 +171,7 @@ class SplitWriter {
     const WriteSummary& summary_;
     const Rig& rig_;
     const ImageNames& names_;
+    const PlateNames& plates_;
     const std::vector<stage::Camera> cameras_;
     Count& count_;
     const uint32_t reduction_;
@@ -177,10 +196,11 @@ WriteSummary write_dataset(const BothSplits& both, const std::filesystem::path& 
                                          std::pair("masks", summary.masks), std::pair("plates", summary.plates > 0)})
         if (needed) make_folder(output / folder);
     const ImageNames names = image_names(both.rigs);
+    const PlateNames plates = plate_names(both.rigs);
     Count count(progress, summary.images);
     std::vector<std::unique_ptr<SplitWriter>> writers;
     for (const Rig& rig : both.rigs) {
-        writers.push_back(std::make_unique<SplitWriter>(output, summary, rig, names, count, reduction));
+        writers.push_back(std::make_unique<SplitWriter>(output, summary, rig, names, plates, count, reduction));
         writers.back()->write_images();
     }
     if (count.stopped()) return summary;
