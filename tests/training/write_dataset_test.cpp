@@ -197,6 +197,39 @@ TEST_F(WriteDataset, CamerasKeepTheirNames) {
     }
 }
 
+// Images of the validation are often those of the test.
+TEST_F(WriteDataset, TheValidationGoesAlong) {
+    const auto put = [&](const char* split, const std::vector<int>& cameras) {
+        nlohmann::json document = {{"fl_x", 60}};
+        for (const int camera : cameras) {
+            const std::string path = fmt::format("images/cam{}_0.png", camera);
+            test::write_grey_png(from() / path, 64, 48, static_cast<uint8_t>(20 * camera));
+            document["frames"].push_back(
+                {{"file_path", path},
+                 {"transform_matrix", {{1, 0, 0, camera}, {0, 1, 0, 0}, {0, 0, 1, 3}, {0, 0, 0, 1}}}});
+        }
+        write_text(from() / fmt::format("transforms_{}.json", split), document.dump());
+    };
+    put("train", {1, 2});
+    put("test", {3});
+    const auto again = [&] {
+        training::BothSplits splits = training::read_both_splits(from(), "auto");
+        training::add_validation(splits, from(), "auto");
+        std::filesystem::remove_all(to());
+        return training::write_dataset(splits, to(), {});
+    };
+    EXPECT_EQ(again().val_cameras, 0u);
+    EXPECT_FALSE(std::filesystem::exists(to() / "transforms_val.json"));
+    put("val", {3, 4});
+    const training::WriteSummary wrote = again();
+    EXPECT_EQ(wrote.images, 4u) << "that of camera 3 counts once";
+    EXPECT_EQ(wrote.val_cameras, 2u);
+    for (const Split split : {Split::kTrain, Split::kTest, Split::kVal}) {
+        const training::LoadOptions any{.mattes_needed = false};
+        expect_same(training::load_dataset(from(), split, any), training::load_dataset(to(), split, any));
+    }
+}
+
 TEST_F(WriteDataset, EachCameraHasAPlateOfItsOwn) {
     nlohmann::json document = {{"fl_x", 60}};
     const std::vector<std::string> cameras = {"left/top", "left_top", "right"};

@@ -346,7 +346,8 @@ void add_dataset(Command app, CommonOptions& common) {
     Option as =
         verb.add_option("--as", options->as,
                         "Instead, write all images into this folder, without lens distortion, for other programs: as "
-                        "transforms_train.json, transforms_test.json, images/, mattes/, masks/ and plates/")
+                        "transforms_train.json, transforms_test.json, transforms_val.json where there is a validation, "
+                        "images/, mattes/, masks/ and plates/")
             .one_of({"transforms"})
             .needs(output)
             .excludes(split)

@@ -31,6 +31,7 @@ void write_as_transforms(const std::filesystem::path& dataset, const std::string
                          const std::filesystem::path& output, const WrittenPart& part) {
     const UnfinishedDataset unfinished(output, dataset);
     training::BothSplits both = training::read_both_splits(dataset, format, holdout);
+    if (holdout.empty()) training::add_validation(both, dataset, format);
     keep_frames(both, part.frames);
     for (size_t i = 0; i < both.rigs.size(); ++i)
         if (both.splits[i] == training::Split::kTrain) training::check_cameras(both.rigs[i]);
@@ -50,8 +51,10 @@ void write_as_transforms(const std::filesystem::path& dataset, const std::string
     say_remarks(wrote.remarks);
     if (!wrote.missing_split.empty())
         say("one split alone was written, the other cannot be read: {}\n", message_of(wrote.missing_split));
-    tell("{}: {} images of {} train and {} test cameras, {}, {}\n", output.string(), wrote.images, wrote.train_cameras,
-         wrote.test_cameras, wrote.mattes ? "with mattes" : "without mattes",
+    tell("{}: {} images of {} train and {} test cameras{}, {}, {}\n", output.string(), wrote.images,
+         wrote.train_cameras, wrote.test_cameras,
+         wrote.val_cameras > 0 ? fmt::format(" and {} of the validation", wrote.val_cameras) : "",
+         wrote.mattes ? "with mattes" : "without mattes",
          wrote.plates > 0 ? fmt::format("{} plates", wrote.plates) : "no plates");
 }
 

@@ -26,6 +26,12 @@ BothSplits read_both_splits(const std::filesystem::path& folder, const std::stri
     return both;
 }
 
+void add_validation(BothSplits& both, const std::filesystem::path& folder, const std::string& format) {
+    if (!has_validation(folder, format)) return;
+    both.rigs.push_back(read_rig(folder, Split::kVal, format));
+    both.splits.push_back(Split::kVal);
+}
+
 namespace {
 
 std::vector<double> times_of(const BothSplits& both) {

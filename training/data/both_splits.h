@@ -20,6 +20,9 @@ struct BothSplits {
 BothSplits read_both_splits(const std::filesystem::path& folder, const std::string& format,
                             const std::string& holdout = "");
 
+// Adds the images for the validation, where the layout has such. Throws InputError where they cannot be read.
+void add_validation(BothSplits& both, const std::filesystem::path& folder, const std::string& format);
+
 // How many times the images of all splits have.
 size_t frame_count(const BothSplits& both);
 

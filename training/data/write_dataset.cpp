@@ -116,9 +116,12 @@ class SplitWriter {
                                              cameras_[c].height, reduction));
     }
 
-    void write_images() {
+    // Those that are in `written` are there already, as those of the validation are often those of the test. Adds the
+    // others to it.
+    void write_images(std::set<std::string>& written) {
         std::vector<std::vector<const Shot*>> shots(rig_.cameras.size());
-        for (const Shot& shot : rig_.shots) shots[shot.camera].push_back(&shot);
+        for (const Shot& shot : rig_.shots)
+            if (written.insert(names_.at(&shot)).second) shots[shot.camera].push_back(&shot);
         parallel_for(shots.size(), 1, [&](size_t begin, size_t end) {
             for (size_t c = begin; c < end && !count_.stopped(); ++c) write_camera(c, shots[c]);
         });
@@ -177,35 +180,53 @@ class SplitWriter {
     const uint32_t reduction_;
 };
 
+std::string file_of(Split split) {
+    return split == Split::kTrain  ? "transforms_train.json"
+           : split == Split::kTest ? "transforms_test.json"
+                                   : "transforms_val.json";
+}
+
+// What the splits hold. An image of several splits counts once.
+WriteSummary summary_of(const BothSplits& both, const ImageNames& names) {
+    WriteSummary summary{.mattes = !matte_sources(both.rigs).empty(), .masks = may_ignore(both.rigs)};
+    summary.missing_split = both.missing;
+    std::set<std::string> images, plates;
+    for (size_t r = 0; r < both.rigs.size(); ++r) {
+        const Rig& rig = both.rigs[r];
+        (both.splits[r] == Split::kTrain  ? summary.train_cameras
+         : both.splits[r] == Split::kTest ? summary.test_cameras
+                                          : summary.val_cameras) = rig.cameras.size();
+        for (const Shot& shot : rig.shots) images.insert(names.at(&shot));
+        for (const std::string& remark : rig.remarks)
+            if (std::ranges::find(summary.remarks, remark) == summary.remarks.end()) summary.remarks.push_back(remark);
+        for (const RigCamera& camera : rig.cameras)
+            if (!camera.plate.path.empty()) plates.insert(camera.name);
+    }
+    summary.images = images.size();
+    summary.plates = plates.size();
+    return summary;
+}
+
 }  // namespace
 
 WriteSummary write_dataset(const BothSplits& both, const std::filesystem::path& output, const WriteProgress& progress,
                            uint32_t reduction) {
     expect_distinct_names(both.rigs, "images/");
-    WriteSummary summary{.mattes = !matte_sources(both.rigs).empty(), .masks = may_ignore(both.rigs)};
-    summary.missing_split = both.missing;
-    for (size_t r = 0; r < both.rigs.size(); ++r) {
-        const Rig& rig = both.rigs[r];
-        (both.splits[r] == Split::kTest ? summary.test_cameras : summary.train_cameras) = rig.cameras.size();
-        summary.images += rig.shots.size();
-        for (const std::string& remark : rig.remarks)
-            if (std::ranges::find(summary.remarks, remark) == summary.remarks.end()) summary.remarks.push_back(remark);
-        for (const RigCamera& camera : rig.cameras) summary.plates += !camera.plate.path.empty();
-    }
+    const ImageNames names = image_names(both.rigs);
+    WriteSummary summary = summary_of(both, names);
     for (const auto& [folder, needed] : {std::pair("images", true), std::pair("mattes", summary.mattes),
                                          std::pair("masks", summary.masks), std::pair("plates", summary.plates > 0)})
         if (needed) make_folder(output / folder);
-    const ImageNames names = image_names(both.rigs);
     const PlateNames plates = plate_names(both.rigs);
     Count count(progress, summary.images);
+    std::set<std::string> written;
     std::vector<std::unique_ptr<SplitWriter>> writers;
     for (const Rig& rig : both.rigs) {
         writers.push_back(std::make_unique<SplitWriter>(output, summary, rig, names, plates, count, reduction));
-        writers.back()->write_images();
+        writers.back()->write_images(written);
     }
     if (count.stopped()) return summary;
-    for (size_t r = 0; r < writers.size(); ++r)
-        writers[r]->write_file(output / kWrittenFiles[both.splits[r] == Split::kTest ? 0 : 1]);
+    for (size_t r = 0; r < writers.size(); ++r) writers[r]->write_file(output / file_of(both.splits[r]));
     summary.complete = true;
     return summary;
 }

@@ -14,20 +14,21 @@ namespace neuvv::training {
 constexpr const char* kWrittenBy = "neuvv dataset";
 // The folders and files of such a data set. The last are those that say that the others are whole.
 constexpr const char* kWrittenFolders[] = {"images", "mattes", "masks", "plates"};
-constexpr const char* kWrittenFiles[] = {"transforms_test.json", "transforms_train.json"};
+constexpr const char* kWrittenFiles[] = {"transforms_val.json", "transforms_test.json", "transforms_train.json"};
 
 struct WriteSummary {
     bool complete = false;  // false: the caller stopped it
-    uint64_t images = 0, train_cameras = 0, test_cameras = 0, plates = 0;
+    uint64_t images = 0, train_cameras = 0, test_cameras = 0, val_cameras = 0, plates = 0;
     bool mattes = false, masks = false;
-    Note missing_split;  // why one of the two splits was left out, as a data set need not have both; else empty
-    std::vector<std::string> remarks;  // what the reader of the layout decided, of both splits
+    Note missing_split;  // why one of training and test was left out, as a data set need not have both; else empty
+    std::vector<std::string> remarks;  // what the reader of the layout decided, of all splits
 };
 
 // Receives how many images are done, and of how many; returns false to stop.
 using WriteProgress = std::function<bool(uint64_t done, uint64_t total)>;
 
-// Writes output/transforms_train.json and transforms_test.json, in the coordinates of the capture with +Y up, and
+// Writes output/transforms_train.json, transforms_test.json and transforms_val.json, of splits that there are, in the
+// coordinates of the capture with +Y up, and
 // - images/NAME.png, straight alpha being the matte, with what the camera saw where alpha is 0;
 // - mattes/NAME.png, that alpha in grey, where the data set has mattes;
 // - masks/NAME.png, black where nothing is known of a pixel, where there are such pixels (nerfstudio's mask_path);

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "training/data/layouts/loaders.h"
+#include "training/data/layouts/nerf_splits.h"
 #include "training/data/layouts/rig/holdout.h"
 #include "training/data/layouts/rig/plates.h"
 #include "training/data/layouts/rig/presentation.h"
@@ -20,27 +21,27 @@ struct Format {
     const char* files;  // the files by which it is recognised, for errors
     bool (*detects)(const std::filesystem::path& folder);
     Rig (*read)(const std::filesystem::path& folder, Split split);
-    bool validates;  // has Split::kVal
+    bool (*validates)(const std::filesystem::path& folder);  // whether it has Split::kVal; null: it never has
     // Whether the calibration lies in the session above; null: it never does.
     bool (*detects_session)(const std::filesystem::path& folder) = nullptr;
 };
 
 // In the order in which layouts are tried, as a folder often contains files of several programs.
 constexpr Format kFormats[] = {
-    {"nerf", "transforms_train.json or transforms.json", has_nerf_files, read_nerf_rig, true},
-    {"polycam", "keyframes/cameras/*.json", has_polycam_files, read_polycam_rig, false},
-    {"n3v", "poses_bounds.npy", has_n3v_files, read_n3v_rig, false},
-    {"easymocap", "intri.yml", has_easymocap_files, read_easymocap_rig, false},
-    {"colmap", "sparse/0/cameras.bin or .txt", has_colmap_files, read_colmap_rig, false},
-    {"record3d", "metadata and rgb/", has_record3d_files, read_record3d_rig, false},
-    {"panoptic", "calibration_*.json", has_panoptic_files, read_panoptic_rig, false},
-    {"dynamic3dgs", "train_meta.json", has_dynamic3dgs_files, read_dynamic3dgs_rig, false},
-    {"actorshq", "calibration.csv", has_actorshq_files, read_actorshq_rig, false},
-    {"metashape", "cameras.xml", has_metashape_files, read_metashape_rig, false},
-    {"realitycapture", "a .csv of cameras", has_realitycapture_files, read_realitycapture_rig, false},
-    {"qualisys", "NAME.qca.txt", has_qualisys_files, read_qualisys_rig, false, has_qualisys_session},
-    {"pose2sim", "Calib.toml", has_pose2sim_files, read_pose2sim_rig, false, has_pose2sim_session},
-    {"opencv", "<camera>.yml", has_opencv_files, read_opencv_rig, false},
+    {"nerf", "transforms_train.json or transforms.json", has_nerf_files, read_nerf_rig, has_nerf_validation},
+    {"polycam", "keyframes/cameras/*.json", has_polycam_files, read_polycam_rig, nullptr},
+    {"n3v", "poses_bounds.npy", has_n3v_files, read_n3v_rig, nullptr},
+    {"easymocap", "intri.yml", has_easymocap_files, read_easymocap_rig, nullptr},
+    {"colmap", "sparse/0/cameras.bin or .txt", has_colmap_files, read_colmap_rig, nullptr},
+    {"record3d", "metadata and rgb/", has_record3d_files, read_record3d_rig, nullptr},
+    {"panoptic", "calibration_*.json", has_panoptic_files, read_panoptic_rig, nullptr},
+    {"dynamic3dgs", "train_meta.json", has_dynamic3dgs_files, read_dynamic3dgs_rig, nullptr},
+    {"actorshq", "calibration.csv", has_actorshq_files, read_actorshq_rig, nullptr},
+    {"metashape", "cameras.xml", has_metashape_files, read_metashape_rig, nullptr},
+    {"realitycapture", "a .csv of cameras", has_realitycapture_files, read_realitycapture_rig, nullptr},
+    {"qualisys", "NAME.qca.txt", has_qualisys_files, read_qualisys_rig, nullptr, has_qualisys_session},
+    {"pose2sim", "Calib.toml", has_pose2sim_files, read_pose2sim_rig, nullptr, has_pose2sim_session},
+    {"opencv", "<camera>.yml", has_opencv_files, read_opencv_rig, nullptr},
 };
 
 const Format& find_format(const std::filesystem::path& folder, const std::string& name) {
@@ -144,6 +145,11 @@ Rig read_rig(const std::filesystem::path& folder, Split split, const std::string
 
 Rig read_rig_of_points(const std::filesystem::path& folder) {
     return read_any_rig(folder, Split::kAll, kAnyFormat, "");
+}
+
+bool has_validation(const std::filesystem::path& folder, const std::string& format) {
+    const Format& layout = find_format(folder, format);
+    return layout.validates && layout.validates(folder);
 }
 
 }  // namespace neuvv::training

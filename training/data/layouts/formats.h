@@ -20,6 +20,9 @@ std::vector<std::string> format_names();
 // `holdout` says which cameras are held out (holdout.h); where it is empty, the layout does.
 Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format = kAnyFormat,
              const std::string& holdout = "");
+
+// Whether read_rig gives images for Split::kVal. Throws InputError where the layout's file cannot be read.
+bool has_validation(const std::filesystem::path& folder, const std::string& format = kAnyFormat);
 // The cameras and shots of all splits, for points that were found in the images: these may have another shape than the
 // calibration says (Rig::misfit), which read_rig refuses.
 Rig read_rig_of_points(const std::filesystem::path& folder);

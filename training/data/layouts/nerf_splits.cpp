@@ -166,6 +166,13 @@ bool has_split_files(const std::filesystem::path& folder) {
     return std::ranges::any_of(kSplitNames, [&](const char* name) { return holds_file(split_file(folder, name)); });
 }
 
+bool has_nerf_validation(const std::filesystem::path& folder) {
+    if (has_split_files(folder)) return holds_file(split_file(folder, name_of(Split::kVal)));
+    const auto& listed =
+        interchange::read_transforms(folder / "transforms.json").split_files[static_cast<size_t>(Split::kVal)];
+    return listed && !listed->empty();
+}
+
 bool is_split_file(const std::filesystem::path& folder, const std::filesystem::path& file) {
     return std::ranges::any_of(kSplitNames, [&](const char* name) { return file == split_file(folder, name); });
 }

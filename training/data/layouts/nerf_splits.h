@@ -19,6 +19,9 @@ struct SplitFrames {
 // Of transforms_train.json and the like, or of transforms.json. Throws InputError.
 SplitFrames read_split(const std::filesystem::path& folder, Split split);
 
+// Whether there are images for the validation: transforms_val.json, or val_filenames in transforms.json.
+bool has_nerf_validation(const std::filesystem::path& folder);
+
 // Whether the folder has a file of one split, such as transforms_train.json, or whether `file` is one of them.
 bool has_split_files(const std::filesystem::path& folder);
 bool is_split_file(const std::filesystem::path& folder, const std::filesystem::path& file);
