@@ -69,7 +69,7 @@ TEST_F(CliGpu, EvalWritesNumbersAndImages) {
         EXPECT_EQ(image.width, 48u) << name;
         EXPECT_EQ(image.height, 40u) << name;
     }
-    EXPECT_EQ(media::read_png(folder.path / "images" / "contact_sheet.png").width, 3 * 320u);
+    EXPECT_EQ(media::read_png(folder.path / "images" / "contact_sheet.png").width, 3 * 288u);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path / "images"), {}), 3 * 6 + 1);
 
     const ProgramResult piped =

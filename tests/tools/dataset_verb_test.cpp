@@ -363,8 +363,8 @@ TEST_F(DatasetVerb, DrawsTheRigAndTheSheet) {
     EXPECT_NE(text.find("wrote " + (look / "rig.png").string()), std::string::npos) << text;
     const media::Image rig = media::read_png(look / "rig.png"), sheet = media::read_png(look / "contact_sheet.png");
     EXPECT_EQ(rig.width, 1280u);
-    EXPECT_EQ(sheet.width, 600u) << "seven images in three columns";
-    EXPECT_EQ(sheet.height, 600u);
+    EXPECT_EQ(sheet.width, 3 * 192u) << "seven images of 64×48 in three columns";
+    EXPECT_EQ(sheet.height, 3 * 144u);
     EXPECT_EQ(sheet.at(100, 100)[0], 128) << "the images are grey";
 }
 

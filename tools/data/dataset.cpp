@@ -35,7 +35,7 @@ namespace {
 constexpr size_t kSampleCameras = 64, kSampleTimes = 3;  // whose images are read
 constexpr size_t kMattesRead = 4096;                     // at most, to find empty ones
 constexpr size_t kMaxPrintedNames = 40, kMaxPrintedMattes = 10;
-constexpr uint32_t kSheetCell = 200;  // pixels a side, of the contact sheet
+constexpr uint32_t kSheetCell = 200;  // pixels, of the longer side of an image of the contact sheet
 
 struct DatasetOptions {
     std::string folder, format = training::kAnyFormat, holdout, split = "train", output, as;
@@ -247,9 +247,10 @@ void draw(const std::filesystem::path& folder, const training::Rig& rig, const s
     }
     const auto columns = static_cast<uint32_t>(std::ceil(std::sqrt(static_cast<double>(images.size()))));
     media::Image sheet = training::contact_sheet(images, columns, kSheetCell);
+    const uint32_t rows = (static_cast<uint32_t>(images.size()) + columns - 1) / columns;
     for (uint32_t i = 0; i < names.size(); ++i)
-        draw_text(sheet, static_cast<int>(i % columns * kSheetCell + 4), static_cast<int>(i / columns * kSheetCell + 4),
-                  names[i], {200, 0, 120});
+        draw_text(sheet, static_cast<int>(i % columns * (sheet.width / columns) + 4),
+                  static_cast<int>(i / columns * (sheet.height / rows) + 4), names[i], {200, 0, 120});
     media::write_png(folder / "contact_sheet.png", sheet);
     tell("wrote {} and contact_sheet.png\n", (folder / "rig.png").string());
 }

@@ -11,7 +11,8 @@ namespace neuvv::training {
 // pixels as that allows without exceeding it. Smaller images are means of blocks, larger ones repeat pixels.
 media::Image scaled_to_fit(const media::Image& image, uint32_t longest);
 
-// Images over white in a grid of cells of `cell` × `cell` pixels, row by row, each scaled to fit its cell and centred.
-media::Image contact_sheet(const std::vector<media::Image>& images, uint32_t columns, uint32_t cell);
+// Images over white in a grid, row by row, each scaled to fit `longest` pixels a side and centred in its cell. Cells
+// are as wide as the widest of them then is, and as high as the highest.
+media::Image contact_sheet(const std::vector<media::Image>& images, uint32_t columns, uint32_t longest);
 
 }  // namespace neuvv::training

@@ -172,14 +172,32 @@ TEST(Metrics, ContactSheetEnlargesSmallImages) {
     media::Image small(2, 1);
     small.at(0, 0)[3] = small.at(1, 0)[3] = 255;
     small.at(1, 0)[1] = 200;
-    const media::Image sheet = training::contact_sheet({small}, 1, 7);  // scaled by 3 to 6×3 pixels, at (0, 2)
-    const uint8_t expected[] = {0, 0, 0, 0, 0, 0, 255}, top = 2;
-    for (uint32_t x = 0; x < 7; ++x) EXPECT_EQ(sheet.at(x, top)[0], expected[x]) << x;
-    EXPECT_EQ(sheet.at(2, top)[1], 0);
-    EXPECT_EQ(sheet.at(3, top)[1], 200);
-    EXPECT_EQ(sheet.at(3, top + 2)[1], 200);
-    EXPECT_EQ(sheet.at(0, top - 1)[0], 255);
-    EXPECT_EQ(sheet.at(0, top + 3)[0], 255);
+    const media::Image sheet = training::contact_sheet({small}, 1, 7);  // scaled by 3 to 6×3 pixels
+    ASSERT_EQ(sheet.width, 6u);
+    ASSERT_EQ(sheet.height, 3u);
+    for (uint32_t y = 0; y < 3; ++y)
+        for (uint32_t x = 0; x < 6; ++x) {
+            EXPECT_EQ(sheet.at(x, y)[0], 0) << x << " " << y;
+            EXPECT_EQ(sheet.at(x, y)[1], x < 3 ? 0 : 200) << x << " " << y;
+        }
+}
+
+TEST(Metrics, ContactSheetHasCellsOfTheShapeOfItsImages) {
+    media::Image wide(16, 9), tall(2, 8);
+    for (size_t i = 0; i < wide.rgba.size(); i += 4) wide.rgba[i + 3] = 255;
+    for (size_t i = 0; i < tall.rgba.size(); i += 4) tall.rgba[i + 3] = 255;
+    const media::Image wides = training::contact_sheet({wide, wide, wide}, 2, 16);
+    EXPECT_EQ(wides.width, 32u);
+    EXPECT_EQ(wides.height, 18u);
+    EXPECT_EQ(wides.at(15, 17)[0], 0);
+    EXPECT_EQ(wides.at(16, 17)[0], 255) << "the fourth cell is empty";
+    const media::Image both = training::contact_sheet({wide, tall}, 2, 16);
+    EXPECT_EQ(both.width, 32u);
+    EXPECT_EQ(both.height, 16u);
+    EXPECT_EQ(both.at(0, 2)[0], 255);
+    EXPECT_EQ(both.at(0, 3)[0], 0) << "nine of sixteen rows, in the middle";
+    EXPECT_EQ(both.at(21, 0)[0], 255);
+    EXPECT_EQ(both.at(22, 0)[0], 0) << "four of sixteen columns, in the middle";
 }
 
 // A view of 64×48 pixels whose matte fills columns 10 to 29 and rows 20 to 34, but for the first of its pixels.
