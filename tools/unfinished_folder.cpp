@@ -16,13 +16,13 @@ namespace neuvv::tools {
 namespace {
 
 // Key points are what a detector found in the images, mattes what was made of them.
-constexpr const char* kFolders[] = {"images", "plates", "key_points", "mattes"};
+constexpr const char* kFolders[] = {"images", "videos", "plates", "key_points", "mattes"};
 constexpr const char* kFiles[] = {"skeleton.glb", "studio.json", "transforms_test.json",
                                   "transforms_train.json"};  // the last are last
 
 // Files of a folder that have the names of a capture's.
 std::vector<std::filesystem::path> captured_files(const std::filesystem::path& folder) {
-    static const std::regex kName("c[0-9]{2,}(_f[0-9]{3,})?(\\.png|\\.jpg|_keypoints\\.json)");
+    static const std::regex kName("(videos_)?c[0-9]{2,}(_f?[0-9]{3,})?(\\.png|\\.jpg|\\.mp4|_keypoints\\.json)");
     std::vector<std::filesystem::path> files;
     std::error_code ignored;
     for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))

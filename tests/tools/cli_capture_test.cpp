@@ -139,8 +139,20 @@ TEST_F(CliGpu, ACaptureOfAStudioIsReplacedLikeOthers) {
     EXPECT_EQ(mattes, 12u);
     ASSERT_EQ(run_neuvv(with("1")).code, 0);
     EXPECT_EQ(contents_of(data), studio) << "a seed gives the same files";
+    std::vector<std::string> videos = with("1");
+    videos.emplace_back("--videos");
+    ASSERT_EQ(run_neuvv(videos).code, 0);
+    const auto recorded = contents_of(data);
+    EXPECT_TRUE(recorded.contains("videos/c00.mp4"));
+    for (const auto& [name, content] : recorded)
+        EXPECT_FALSE(name.starts_with("images/") || name.starts_with("mattes/")) << name;
+    std::filesystem::create_directories(file("data/mattes"));
+    write_text(file("data/mattes/videos_c00_000001.png"), "as `neuvv matte` calls it");
     ASSERT_EQ(run_neuvv(words).code, 0);
-    EXPECT_EQ(contents_of(data), clean);
+    EXPECT_EQ(contents_of(data), clean) << "neither videos nor their mattes are left";
+    words.emplace_back("--videos");
+    expect_refused(words, 2, {"--videos", "--background checker or --studio"});
+    words.pop_back();
     expect_refused(with("-1"), 2, {"--studio"});
     words[5] = "5";
     expect_refused(with("1"), 2, {"--cameras", "too few for a studio"});

@@ -33,11 +33,15 @@ DIR/mattes. The recordings of two cameras are exchanged, two cameras have a wron
 lack a part or show too much. DIR/studio.json says what was done. Held-out cameras stay as with --background checker, so
 that `neuvv eval` measures against the truth.
 
+--videos, with one of the two, leaves what recorders leave: DIR/videos/cNN.mp4 in place of images, and no mattes.
+`neuvv matte` then makes them, of held-out cameras, too.
+
 Examples (from the repository's root):
   neuvv capture tools/performer/performer.glb -o work/performer
   neuvv capture tools/performer/performer.glb -o work/small --cameras 12 --frames 10 --size 160x160
   neuvv capture tools/performer/performer.glb -o work/checker --cameras 8 --frames 5 --background checker
-  neuvv capture tools/performer/performer.glb -o work/studio --cameras 12 --frames 24 --size 128x128 --studio 1)";
+  neuvv capture tools/performer/performer.glb -o work/studio --cameras 12 --frames 24 --size 128x128 --studio 1
+  neuvv capture tools/performer/performer.glb -o work/videos --cameras 14 --frames 24 --studio 1 --videos)";
 
 struct Options {
     std::string model, folder, size = "512x512", background = "clear";
@@ -53,6 +57,9 @@ void run_capture(Options& options, const CommonOptions& common) {
         throw InputError("capture", "--background", fmt::format("\"{}\" is not known", options.background),
                          "choose clear or checker");
     if (options.background == "checker") settings.background = training::CaptureBackground::kChecker;
+    if (settings.videos && !settings.studio && options.background == "clear")
+        throw InputError("capture", "--videos", "need a background that `neuvv matte` tells from the performer",
+                         "add --background checker or --studio SEED");
     const UnfinishedFolder unfinished(options.folder);
     catch_stop_signals();
     const gpu::Device device(common.device);
@@ -89,6 +96,7 @@ void add_capture(Command app, CommonOptions& common) {
     verb.add_option("--background", options->background, "clear or checker").show_default();
     verb.add_option("--studio", settings.studio, "seed of a simulated studio: real cameras, and mistakes")
         .not_negative();
+    verb.add_flag("--videos", settings.videos, "write a video of each camera, without mattes, in place of images");
     verb.footer({kFooter});
     verb.callback([options, &common] { run_capture(*options, common); });
 }

@@ -12,6 +12,7 @@
 #include "base/platform.h"
 #include "base/threads/workers.h"
 #include "media/jpeg.h"
+#include "media/video.h"
 #include "motion/skeleton/model_motion.h"
 #include "motion/skeleton/skeleton_file.h"
 #include "render/set/raster.h"
@@ -47,6 +48,8 @@ void check_settings(const CaptureSettings& s) {
            "choose 0 to below 1");
     expect(s.holdout == 0 || s.cameras >= 2, "holdout", "one camera cannot be kept back and used too",
            Remedy::kMoreCameras);
+    expect(!s.videos || (s.width % 2 == 0 && s.height % 2 == 0), "size",
+           fmt::format("{}x{} has an odd side, which no video has", s.width, s.height), "choose even sides");
     const std::vector<bool> is_test = held_out(s.cameras, s.holdout);
     const auto train = std::count(is_test.begin(), is_test.end(), false);
     expect(s.holdout == 0 || train >= 2, "holdout",
@@ -116,7 +119,10 @@ void prepare_folder(const std::filesystem::path& folder, const CaptureSettings& 
     }
     std::vector<const char*> names{"images"};
     if (shows_room(settings)) names.push_back("plates");
-    if (settings.studio) names.push_back("mattes");
+    if (settings.videos)
+        names.push_back("videos");
+    else if (settings.studio)
+        names.push_back("mattes");
     for (const char* name : names) {
         std::filesystem::create_directories(folder / name, error);
         if (error)
@@ -202,6 +208,8 @@ void write_image(const Session& session, size_t camera, size_t frame, const rend
     const Studio& studio = *session.studio;
     const auto number = static_cast<uint32_t>(frame);
     const std::string name = image_name(studio.cameras[camera].filed_as, frame);
+    if (session.settings.videos)
+        return media::write_png(images / (name + ".png"), record(studio, camera, number, scene));
     media::write_jpeg(images / (name + ".jpg"), record(studio, camera, number, scene), kStudioJpegQuality);
     media::write_png(session.folder / "mattes" / (name + ".png"), studio_matte(studio, camera, number, scene));
 }
@@ -219,10 +227,31 @@ std::string write_true_skeleton(const std::filesystem::path& folder, const stage
     return "";
 }
 
+void write_video(const Session& session, size_t camera) {
+    const CaptureSettings& settings = session.settings;
+    media::VideoWriter video(session.folder / video_file(camera), settings.width, settings.height, settings.fps);
+    for (uint32_t f = 0; f < settings.frames; ++f)
+        video.add(media::read_png(session.folder / "images" / (image_name(camera, f) + ".png")));
+    video.finish();
+}
+
+// Makes each camera's images into a video, one camera after the other so that few encoders are open, and removes them.
+void write_videos(Session& session) {
+    for (size_t c = 0; c < session.stage.cameras.size(); ++c)
+        session.workers.add([&session, c] { write_video(session, c); });
+    session.workers.finish();
+    std::error_code error;
+    std::filesystem::remove_all(session.folder / "images", error);
+    if (error)
+        throw RuntimeFailure(
+            fmt::format("{}: cannot remove: {}", (session.folder / "images").string(), error.message()));
+}
+
 // Last, so that a folder with transforms is complete.
 void write_cameras(const Session& session, const std::vector<bool>& is_test) {
     const CaptureSettings& settings = session.settings;
     CapturedClip clip{session.stage.cameras, is_test, settings.frames, settings.fps, session.stage.box};
+    clip.videos = settings.videos;
     if (!session.plates.empty()) clip.plates.assign(settings.cameras, true);
     if (std::ranges::find(is_test, true) != is_test.end())
         write_transforms(session.folder / "transforms_test.json", clip);
@@ -307,9 +336,11 @@ CaptureResult capture(const gpu::Device& device, const std::filesystem::path& mo
     const uint64_t waiting = std::clamp<uint64_t>(kMaxWaiting_bytes / image_bytes, 1, 2 * threads);
     std::optional<Studio> studio;
     if (settings.studio) studio = make_studio(*settings.studio, is_test, settings.frames);
+    if (studio && settings.videos) studio->wrong_mattes.clear();  // there are none
     Session session{settings, folder, stage, std::move(studio), {}, Workers(threads, waiting)};
     write_plates(session);
     if (!render_images(session, device, scene, animation, progress)) return result;
+    if (settings.videos) write_videos(session);
     result.no_skeleton = write_true_skeleton(folder, scene, animation, settings);
     write_cameras(session, is_test);
     result.complete = true;

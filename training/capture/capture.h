@@ -32,6 +32,9 @@ struct CaptureSettings {
     // The seed of a simulated studio (studio.h), before the checkered room. Images that train become
     // images/cNN_fNNN.jpg with mattes/cNN_fNNN.png and plates/cNN.jpg; those held out are as with kChecker.
     std::optional<uint64_t> studio;
+    // What recorders leave: a video of each camera, videos/cNN.mp4, in place of images, and no mattes. Only before the
+    // checkered room.
+    bool videos = false;
 };
 
 // Receives how many images are written, and of how many; returns false to stop.

@@ -47,7 +47,7 @@ void write_transforms_file(const std::filesystem::path& file, const WrittenTrans
     for (const WrittenFrame& from : transforms.frames) {
         nlohmann::json frame = alike ? nlohmann::json::object() : intrinsics[from.camera];
         frame["file_path"] = from.image;
-        frame["time"] = from.time;
+        if (from.time) frame["time"] = *from.time;
         frame["transform_matrix"] = poses[from.camera];
         if (!from.plate.empty()) frame["background_path"] = from.plate;
         if (!from.mask.empty()) frame["mask_path"] = from.mask;

@@ -14,7 +14,7 @@ namespace neuvv::training {
 
 struct WrittenFrame {
     size_t camera = 0;               // index into WrittenTransforms::cameras
-    double time = 0;                 // [0,1]
+    std::optional<double> time;      // [0,1]; nothing: `image` is a video of the camera
     std::string image, plate, mask;  // paths inside the file's folder; plate and mask may be empty
 };
 

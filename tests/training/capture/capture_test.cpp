@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "base/platform.h"
+#include "media/psnr.h"
 #include "motion/skeleton/skeleton_file.h"
 #include "stage/pose.h"
 #include "tests/stage/glb_builder.h"
@@ -210,6 +211,12 @@ TEST(Capture, BadSettingsAreNamed) {
     refuse([](auto& s) { s.fps = 0; }, "fps: ");
     refuse([](auto& s) { s.width = 7; }, "size: ");
     refuse([](auto& s) { s.height = 100000; }, "size: ");
+    refuse(
+        [](auto& s) {
+            s.videos = true;
+            s.width = 65;
+        },
+        "size: 65x72 has an odd side");
     refuse([](auto& s) { s.holdout = NAN; }, "holdout: ");
     refuse([](auto& s) { s.holdout = 1; }, "holdout: ");
     refuse([](auto& s) { s.cameras = 1; }, "holdout: ");
@@ -280,6 +287,35 @@ TEST(Capture, MattesAreFoundInTheCheckeredRoom) {
     EXPECT_LT(error / pixels, 0.005);
     RecordProperty("iou", std::to_string(both / either));
     RecordProperty("mae", std::to_string(error / pixels));
+}
+
+TEST(Capture, VideosShowWhatTheImagesDoAndHaveNoMattes) {
+    const TemporaryFolder folder;
+    training::CaptureSettings settings = small_settings();
+    settings.background = training::CaptureBackground::kChecker;
+    run(folder.path / "images", settings);
+    settings.videos = true;
+    run(folder.path / "videos", settings);
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "videos/images"));
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "videos/mattes"));
+    for (const training::Split split : {training::Split::kTrain, training::Split::kTest}) {
+        const training::Dataset images = training::load_dataset(folder.path / "images", split);
+        const training::Dataset videos =
+            training::load_dataset(folder.path / "videos", split, {.mattes_needed = false});
+        ASSERT_EQ(videos.cameras.size(), images.cameras.size());
+        EXPECT_DOUBLE_EQ(videos.fps, settings.fps);
+        ASSERT_EQ(videos.views.size(), images.views.size());
+        for (size_t i = 0; i < images.views.size(); ++i) {
+            const training::View &video = videos.views[i], &image = images.views[i];
+            EXPECT_EQ(videos.cameras[video.camera].world_from_camera, images.cameras[image.camera].world_from_camera);
+            EXPECT_DOUBLE_EQ(video.time, image.time);
+            const media::Image shown = video.image.whole();
+            const media::Image file = media::read_png(folder.path / "images/images" / (image.name + ".png"));
+            EXPECT_GT(media::psnr_db(file, shown), 25) << video.name;
+            for (size_t k = 3; k < shown.rgba.size(); k += 4) ASSERT_EQ(shown.rgba[k], 255) << "a matte";
+        }
+        for (size_t c = 0; c < images.plates.size(); ++c) EXPECT_EQ(videos.plates[c].rgba, images.plates[c].rgba);
+    }
 }
 
 }  // namespace

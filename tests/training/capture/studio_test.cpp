@@ -12,6 +12,7 @@
 #include <set>
 
 #include "media/jpeg.h"
+#include "media/psnr.h"
 #include "tests/support/input_error.h"
 #include "tests/support/temporary_folder.h"
 #include "training/capture/capture.h"
@@ -246,6 +247,28 @@ TEST_F(StudioCapture, TheHullIsThatOfTheCleanCapture) {
         EXPECT_LT(as_filed, 0.9);
         EXPECT_GT(checked, 0.97);
     }
+}
+
+TEST_F(StudioCapture, VideosAreFiledAsImagesAre) {
+    settings.studio = 3;
+    const std::filesystem::path of_images = take("images");
+    const training::Dataset images = training::load_dataset(of_images, training::Split::kTrain);
+    settings.videos = true;
+    const std::filesystem::path path = take("videos");
+    EXPECT_FALSE(std::filesystem::exists(path / "mattes"));
+    EXPECT_EQ(nlohmann::json::parse(read_text(path / training::kStudioTruth))["wrong_mattes"].size(), 0u);
+    const training::Dataset videos = training::load_dataset(path, training::Split::kTrain, {.mattes_needed = false});
+    ASSERT_EQ(videos.views.size(), images.views.size());
+    for (size_t i = 0; i < images.views.size(); ++i) {
+        SCOPED_TRACE(images.views[i].name);
+        EXPECT_EQ(videos.cameras[videos.views[i].camera].world_from_camera,
+                  images.cameras[images.views[i].camera].world_from_camera);
+        EXPECT_DOUBLE_EQ(videos.views[i].time, images.views[i].time);
+        const std::vector<uint8_t> bytes = read_file(of_images / "images" / (images.views[i].name + ".jpg"));
+        const media::Image file = media::decode_image(bytes.data(), bytes.size(), images.views[i].name);
+        EXPECT_GT(media::psnr_db(file, videos.views[i].image.whole()), 25);
+    }
+    for (size_t c = 0; c < images.plates.size(); ++c) EXPECT_EQ(videos.plates[c].rgba, images.plates[c].rgba);
 }
 
 TEST_F(StudioCapture, AStudioNeedsCameras) {
