@@ -154,6 +154,25 @@ TEST_F(DatasetVerb, SwappedCamerasAreNamed) {
     EXPECT_EQ((again.out + again.err).find("swapped"), std::string::npos) << "the copy is right\n" << again.out;
 }
 
+// By `neuvv dataset` and, before it trains, by `neuvv train`.
+TEST_F(DatasetVerb, FewCamerasAreWarnedOf) {
+    std::filesystem::create_directories(folder.path / "data");
+    const std::string data = (folder.path / "data").string();
+    for (const uint32_t cameras : {4u, 9u, 10u}) {
+        SCOPED_TRACE(cameras);
+        test::write_capture(folder.path / "data", test::armed_figure(cameras));
+        const std::string warning = fmt::format("{} cameras are few: their hull is larger than the performer", cameras);
+        const bool few = cameras < 10;
+        EXPECT_EQ(field(say(), "note").find(warning) == 0, few) << say();
+        EXPECT_EQ(say().find("are few") != std::string::npos, few);
+        const std::string clip = (folder.path / fmt::format("{}.nvv", cameras)).string();
+        const ProgramResult trained = run_neuvv({"train", data, "-o", clip, "--segment", "2", "--plan"});
+        ASSERT_EQ(trained.code, 0) << trained.err;
+        EXPECT_EQ(trained.err.find("note: " + warning) != std::string::npos, few) << trained.err;
+        EXPECT_EQ(trained.err.find("are few") != std::string::npos, few) << trained.err;
+    }
+}
+
 TEST_F(DatasetVerb, ACaptureWithoutMattesNamesTheMend) {
     write_colmap_capture();
     const std::string text = say();

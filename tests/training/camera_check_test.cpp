@@ -96,5 +96,17 @@ TEST_F(CameraCheck, ImagesWithoutMattesAreNotJudged) {
     EXPECT_EQ(rig.remarks, remarks);
 }
 
+TEST(FewCameras, AreNotedBelowTen) {
+    training::Rig rig;
+    rig.cameras.resize(training::kEnoughCameras);
+    training::note_few_cameras(rig);
+    EXPECT_TRUE(rig.remarks.empty()) << rig.remarks[0];
+    rig.cameras.pop_back();
+    training::note_few_cameras(rig);
+    ASSERT_EQ(rig.remarks.size(), 1u);
+    EXPECT_EQ(rig.remarks[0].find("9 cameras are few: "), 0u) << rig.remarks[0];
+    EXPECT_EQ(rig.remarks[0].find('\n'), std::string::npos);
+}
+
 }  // namespace
 }  // namespace neuvv::test

@@ -295,6 +295,7 @@ void run(const DatasetOptions& options) {
             training::check_cameras(rig);
             return true;
         });
+    if (options.split == "train") training::note_few_cameras(rig);
     const training::Rig sample = sample_of(rig);
     training::Dataset images = training::read_images(sample, {.mattes_needed = false});
     const std::optional<double> matte = matte_share(images);

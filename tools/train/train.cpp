@@ -247,6 +247,7 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     catch_batch_signals();
     training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format, options.holdout);
     training::check_cameras(rig);
+    if (!options.settings.resume) training::note_few_cameras(rig);
     if (ranks.is_first()) say_remarks(rig.remarks);
     const std::optional<media::Sound> audio = ranks.is_first() ? read_audio(options) : std::nullopt;
     const auto write_audio = [&] {

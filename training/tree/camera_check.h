@@ -10,4 +10,10 @@ namespace neuvv::training {
 // with fewer than kMinJudgedCameras, is left as it is. Throws InputError as read_images() does.
 void check_cameras(Rig& rig);
 
+// From so many cameras on, views between them gain little by more (training/RESULTS.md).
+constexpr size_t kEnoughCameras = 10;
+// Adds to Rig::remarks what to expect of a rig with fewer, which leave matter beside the performer that no image
+// denies.
+void note_few_cameras(Rig& rig);
+
 }  // namespace neuvv::training
