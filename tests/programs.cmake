@@ -79,7 +79,7 @@ set_tests_properties(measurements_test PROPERTIES LABELS cpu COST 1)
 if(NOT NEUVV_SANITIZE)
   add_test(NAME guide_test COMMAND python3 ${CMAKE_CURRENT_SOURCE_DIR}/tools/guide_test.py $<TARGET_FILE:neuvv>
            $<TARGET_FILE:neuvv-bench> ${PROJECT_SOURCE_DIR})
-  set_tests_properties(guide_test PROPERTIES LABELS gpu COST 20 TIMEOUT 300)
+  set_tests_properties(guide_test PROPERTIES LABELS gpu COST 30 TIMEOUT 300)
 endif()
 
 # neuvv-bench as its user runs it, and the rasteriser of leaves that it measures.

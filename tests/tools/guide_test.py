@@ -14,6 +14,8 @@ small files stand in for what takes long to make. A block with a command that ca
 
 and no other block may have it. What such a block has besides is run, too.
 
+Of the README, the first task is run, with smaller images and fewer steps than it has, in a folder of its own.
+
 Of commands and options between the lines, in `backquotes`, the names are checked: an option must be one of a command of its page.
 """
 import os
@@ -203,6 +205,7 @@ class Runner:
         self.ran += 1
         if done.returncode != 0:
             fail(where, f'`neuvv {shlex.join(words)}` ends with {done.returncode}: {done.stderr.strip()[-400:]}')
+        return done.stdout + done.stderr
 
     def stand_in(self, words):
         """Puts small files where a command that is not run would write its results."""
@@ -237,6 +240,28 @@ def check_block(block, checker, runner, made):
     if runner and all_run == block.marked:
         fail(block.where, 'all of it can be run: remove the line "not run"' if all_run else
              'something of it cannot be run: write <!-- not run: REASON --> before it')
+
+
+def run_first_task(page, runner, folder):
+    """Runs the README's first task, and expects that the mistakes of its studio are found, as it says."""
+    (folder / 'work').mkdir(parents=True)
+    (folder / 'tools').symlink_to(runner.root / 'tools')
+    runner.folder, said = folder, ''
+    lines = page.read_text(encoding='utf-8').split('### 2.')[0].splitlines()
+    first = next(number for number, line in enumerate(lines) if line.startswith('### 1.'))
+    for block in blocks(page):
+        for where, line in block.lines if first < block.number <= len(lines) else []:
+            for program, words, _ in commands(line):
+                if words[0] == 'view':
+                    continue
+                for option, other in (('--size', ['--size', '64x64']), ('--minutes', ['--steps', '10'])):
+                    if option in words:
+                        at = words.index(option)
+                        words[at:at + 2] = other
+                said += runner.run(where, program, words)
+    for expected in ('does not show what the images of camera', 'seem to be swapped', 'mean '):
+        if expected not in said:
+            fail(page.name, f'the first task never says "{expected}"')
 
 
 def check_prose(page, checker):
@@ -276,6 +301,7 @@ def main():
             for block in blocks(page):
                 check_block(block, checker, runner, made)
             check_prose(page, checker)
+        run_first_task(root / 'README.md', runner, pathlib.Path(folder) / 'day')
     for block in blocks(root / 'README.md'):
         check_block(block, checker, None, by_demo)
     if checker.checked < 100 or runner.ran < 40:
