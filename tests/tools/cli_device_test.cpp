@@ -154,7 +154,6 @@ TEST_F(CliDevice, SmallLimitsTrainTheSameTree) {
         EXPECT_EQ(result.code, 0) << result.err;
         return voctree::read_nvv(file(name));
     };
-    const voctree::VOctree first = train("first.nvv", "1", "NEUVV_BUFFERS=texel");
     const voctree::VOctree expected = train("texel.nvv", "8", "NEUVV_BUFFERS=texel");
     const voctree::VOctree small =
         train("small.nvv", "8",
@@ -163,13 +162,13 @@ TEST_F(CliDevice, SmallLimitsTrainTheSameTree) {
                   " NEUVV_MOST_TEXELS=4096 NEUVV_MOST_STORAGE_BYTES=134217728");
     EXPECT_GT(small.weights.size(), 4u * 4096);  // a texel has four at most
     ASSERT_EQ(small.weights.size(), expected.weights.size());
-    double moved = 0, differs = 0;
+    double all = 0, differs = 0;
     for (size_t i = 0; i < small.weights.size(); ++i) {
-        moved += std::abs(expected.weights[i] - first.weights[i]);
+        all += std::abs(expected.weights[i]);
         differs += std::abs(expected.weights[i] - small.weights[i]);
     }
-    EXPECT_GT(moved, 0);
-    EXPECT_LT(differs, 0.01 * moved);
+    EXPECT_GT(all, 0);
+    EXPECT_LT(differs, 1e-3 * all);
 }
 
 // The first start times both ways to bind arrays, and the next ones go by what it found.
