@@ -17,7 +17,7 @@ float falling(double progress, double first, double last) {
 LearningRates learning_rates(double progress, double epochs) {
     const double last = std::clamp(kShortRunEpochs / std::max(epochs, kShortRunEpochs), kLeastLastRate, 1.0);
     LearningRates rates;
-    rates.sigma = falling(progress, 0.07, 0.03 * std::sqrt(last));
+    rates.sigma = falling(progress, 0.14, 0.06 * std::sqrt(last));
     rates.colour = falling(progress, 0.4, 0.04 * last);
     rates.detail = falling(progress, 0.05, 0.005 * last);
     rates.gamma = falling(progress, 0.5, 0.05 * last);
