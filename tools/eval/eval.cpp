@@ -217,11 +217,14 @@ nlohmann::ordered_json json_of(const training::RigAlignment& alignment) {
 
 double distance(const training::Lpips& network, const training::View& view, training::ComparedPart part,
                 const media::Image& truth, const media::Image& render) {
-    return network.distance(training::compared_part(truth, view, part), training::compared_part(render, view, part));
+    return network.distance(training::compared_part(truth, view, part, training::Lpips::kMinSide),
+                            training::compared_part(render, view, part, training::Lpips::kMinSide));
 }
 
 PageFacts page_facts(const EvalOptions& options, const std::string& device, const std::string& note) {
-    const std::string part = options.crop == "none" ? "" : ", the rectangle around the matte";
+    const std::string part = options.crop == "none"    ? ""
+                             : options.crop == "matte" ? ", the rectangle around the matte; PSNR: the matte's pixels"
+                                                       : ", the rectangle around the matte";
     return {options.scene, options.dataset, options.split, device, "over " + options.background + part, note};
 }
 

@@ -140,7 +140,7 @@ std::vector<size_t> spread_views(const Dataset& dataset, size_t count) {
     return {selected.begin(), selected.end()};
 }
 
-media::Image compared_part(const media::Image& image, const View& view, ComparedPart part) {
+media::Image compared_part(const media::Image& image, const View& view, ComparedPart part, uint32_t least_side) {
     uint32_t left = image.width, top = image.height, right = 0, bottom = 0;
     for (uint32_t y = 0; y < image.height && part != ComparedPart::kImage; ++y)
         for (uint32_t x = 0; x < image.width; ++x) {
@@ -151,6 +151,13 @@ media::Image compared_part(const media::Image& image, const View& view, Compared
             bottom = y + 1;
         }
     if (right == 0) return image;
+    const auto widen = [&](uint32_t& low, uint32_t& high, uint32_t size) {
+        const uint32_t side = std::min(std::max(high - low, least_side), size);
+        low = std::min(low, size - side);
+        high = low + side;
+    };
+    widen(left, right, image.width);
+    widen(top, bottom, image.height);
     media::Image result(right - left, bottom - top);
     for (uint32_t y = top; y < bottom; ++y)
         std::copy_n(image.at(left, y), size_t{4} * result.width, result.at(0, y - top));

@@ -57,8 +57,9 @@ Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, con
 Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset,
                     const CompareSettings& settings, const ViewCallback& done = {});
 
-// The part of an image of the view that is compared.
-media::Image compared_part(const media::Image& image, const View& view, ComparedPart part);
+// The part of an image of the view that is compared; a rectangle is at least so many pixels wide and high, or as many
+// as the image.
+media::Image compared_part(const media::Image& image, const View& view, ComparedPart part, uint32_t least_side = 1);
 // Both images are whole.
 Quality compare_part(const media::Image& truth, const media::Image& render, const View& view, ComparedPart part);
 

@@ -219,6 +219,10 @@ TEST(ComparedPart, IsTheRectangleThatHoldsTheMatte) {
     EXPECT_TRUE(std::equal(part.at(0, 0), part.at(0, 0) + 80, image.at(10, 20)));
     EXPECT_TRUE(std::equal(part.at(0, 14), part.at(0, 14) + 80, image.at(10, 34)));
     EXPECT_EQ(training::compared_part(image, view, training::ComparedPart::kImage).rgba, image.rgba);
+    const media::Image wide = training::compared_part(image, view, training::ComparedPart::kRectangle, 60);
+    ASSERT_EQ(wide.width, 60u);
+    ASSERT_EQ(wide.height, 48u) << "no more than the image has";
+    EXPECT_TRUE(std::equal(wide.at(0, 0), wide.at(0, 0) + 240, image.at(4, 0)));
     training::View empty;
     empty.image = training::TiledImage(filled(64, 48, 0));
     EXPECT_EQ(training::compared_part(image, empty, training::ComparedPart::kMatte).rgba, image.rgba);
