@@ -17,7 +17,7 @@ using motion::OnnxValue;
 constexpr std::array<float, 3> kImageNetMean{0.485f, 0.456f, 0.406f}, kImageNetDeviation{0.229f, 0.224f, 0.225f};
 constexpr std::array<float, 3> kMiddleGrey{0.5f, 0.5f, 0.5f};
 
-// The first that fits counts.
+// The first that fits counts: those that name their outputs come before those of the same size that do not.
 const std::vector<MatteFamily> kFamilies = {
     {.name = "Robust Video Matting",
      .image = {"src"},
@@ -40,12 +40,6 @@ const std::vector<MatteFamily> kFamilies = {
      .side = 320,
      .mean = kImageNetMean,
      .deviation = kImageNetDeviation},
-    {.name = "IS-Net",
-     .image = {"input", "input.1", "input_image", "image", "img"},
-     .alpha = {},
-     .size = SeenSize::kSquare,
-     .side = 1024,
-     .mean = kMiddleGrey},
     {.name = "MODNet",
      .image = {"input"},
      .alpha = {"output"},
@@ -54,6 +48,12 @@ const std::vector<MatteFamily> kFamilies = {
      .multiple = 32,
      .mean = kMiddleGrey,
      .deviation = kMiddleGrey},
+    {.name = "IS-Net",
+     .image = {"input", "input.1", "input_image", "image", "img"},
+     .alpha = {},
+     .size = SeenSize::kSquare,
+     .side = 1024,
+     .mean = kMiddleGrey},
 };
 
 // What is assumed of a network that nobody knows.

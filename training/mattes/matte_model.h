@@ -32,7 +32,7 @@ struct MatteFamily {
     // The network sees (colour − mean) / deviation of colours of 0 to 1 in this order.
     std::array<float, 3> mean{0, 0, 0}, deviation{1, 1, 1};
     std::array<uint8_t, 3> channels{0, 1, 2};  // of R, G and B
-    bool gives_logits = false;                 // alpha is the sigmoid of what it gives
+    bool gives_logits = false;  // alpha is the sigmoid of what it gives, unless all of that is from 0 to 1
 };
 
 // A file of a family.

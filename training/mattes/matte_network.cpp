@@ -81,8 +81,12 @@ std::vector<uint8_t> MatteNetwork::alpha_bytes(motion::Tensor alpha, media::Imag
             file_, model_.alpha,
             fmt::format("is {}, not 1×1×{}×{} as the image that it is of", alpha.size_text(), seen.height, seen.width),
             "use a network whose alpha has the size of its image");
+    // An export of a family that gives logits may have the sigmoid in it.
+    const bool has_logits = model_.family->gives_logits && std::ranges::any_of(alpha.values, [](float value) {
+                                return value < -kMostBeyond || value > 1 + kMostBeyond;
+                            });
     for (float& value : alpha.values) {
-        if (model_.family->gives_logits) value = sigmoid(value);
+        if (has_logits) value = sigmoid(value);
         if (!(value >= -kMostBeyond && value <= 1 + kMostBeyond))
             throw InputError(file_, model_.alpha, fmt::format("is {}, not from 0 to 1, for {}", value, name),
                              "export the model with its last sigmoid, or in single precision");

@@ -36,6 +36,7 @@ TEST(MatteModel, IsKnownByItsNamesAndSizes) {
     EXPECT_EQ(name_of({{"src", {1, 3, 720, 1280}}, {"bgr", {1, 3, 720, 1280}}}, {{"pha", {}}, {"fgr", {}}}),
               "Background Matting V2");
     EXPECT_EQ(name_of({{"input", {0, 3, 0, 0}}}, {{"output", {0, 1, 0, 0}}}), "MODNet");
+    EXPECT_EQ(name_of({{"input", {1, 3, 1024, 1024}}}, {{"output", {1, 1, 1024, 1024}}}), "MODNet");
     EXPECT_EQ(name_of({{"input.1", {1, 3, 320, 320}}}, {{"1959", {}}, {"1960", {}}}), "U²-Net");
     EXPECT_EQ(name_of({{"input", {0, 3, 320, 320}}}, {{"output", {}}}), "U²-Net");
     EXPECT_EQ(name_of({{"input", {1, 3, 1024, 1024}}}, {{"2000", {}}, {"2001", {}}}), "IS-Net");
@@ -51,7 +52,7 @@ TEST(MatteModel, IsRefusedWithWhatItHas) {
     const Values y{{"y", {1, 1, 8, 8}}}, image{{"x", {1, 3, 8, 8}}};
     refuse({}, y, {"a.onnx", "takes nothing"});
     refuse(image, {},
-           {"gives nothing", "Robust Video Matting, Background Matting V2, BiRefNet, U²-Net, IS-Net, MODNet"});
+           {"gives nothing", "Robust Video Matting, Background Matting V2, BiRefNet, U²-Net, MODNet, IS-Net"});
     refuse({{"x", {1, 3, 8, 8}}, {"z", {1, 5}}}, y, {"x 1×3×8×8, z 1×5", "y 1×1×8×8"});
     refuse({{"x", {2, 3, 8, 8}}}, y, {"x 2×3×8×8"});
     refuse({{"x", {1, 8, 8, 3}}}, y, {"x 1×8×8×3"});

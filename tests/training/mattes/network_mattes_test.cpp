@@ -96,6 +96,9 @@ TEST_F(NetworkMattes, OfKnownNetworksAreWhatTheirFamiliesSee) {
     EXPECT_LT(mean_difference(), 2) << "IS-Net";
     make(onnx_of(seeing(0.5f, 0.5f, {.size = {1, 3, 64, 96}, .image = "input", .alpha = "output"})));
     EXPECT_LT(mean_difference(), 2) << "MODNet";
+    make(
+        onnx_of(seeing(0.485f, 0.229f, {.size = {1, 3, 1024, 1024}, .image = "input_image", .alpha = "output_image"})));
+    EXPECT_LT(mean_difference(), 2) << "BiRefNet with its sigmoid";
     RedNetwork logits =
         seeing(0.485f, 0.229f, {.size = {1, 3, 1024, 1024}, .image = "input_image", .alpha = "output_image"});
     logits.weight *= 40;
