@@ -82,23 +82,26 @@ void expect_no_mattes(const training::MatteJob& what) {
 constexpr double kWorthALook = 0.1;
 constexpr double kWhiteBorders = 0.5;  // no performer fills more of the borders of all images
 
+// What to do where no matte shows anybody.
 const char* remedy_of_nothing(const training::MatteJob& what) {
     if (!what.model.empty()) return "export the network anew, or use another one";
     return what.from.empty() ? "lower --threshold, or give clean plates" : "--invert takes black for white";
 }
 
 // Throws InputError where mattes are of no use, so that they are not to be written.
-void expect_a_performer(const training::MatteJob& what, const training::MatteSummary& made) {
+void expect_a_performer(const MatteOptions& options, const training::MatteSummary& made) {
+    const training::MatteJob& what = options.what;
     const std::string source = what.from.empty() ? what.dataset.string() : what.from.string();
     if (!made.shows_performer)
         throw InputError(source, "", "no matte shows anything of a performer, so none was written",
                          remedy_of_nothing(what));
-    if (what.from.empty() || made.white_borders <= kWhiteBorders) return;
+    if (options.overrule || what.from.empty() || made.white_borders <= kWhiteBorders) return;
     throw InputError(source, "",
                      fmt::format("{:.0f} % of the images' borders would be white, as if white were the background, so "
                                  "no matte was written",
                                  100 * made.white_borders),
-                     what.inverted ? "leave --invert out" : "give --invert, which takes black for white");
+                     fmt::format("{}; or, where performers do fill them, --overrule",
+                                 what.inverted ? "leave --invert out" : "give --invert, which takes black for white"));
 }
 
 void tell_findings(const training::MatteSummary& made) {
@@ -114,7 +117,6 @@ void tell_findings(const training::MatteSummary& made) {
     }
 }
 
-// What to do where no matte shows anybody.
 // Says which network it is, before it takes minutes. Throws InputError where it is none of mattes.
 void tell_model(const std::filesystem::path& model) {
     const motion::OnnxFile onnx = motion::read_onnx_file(model);
@@ -141,13 +143,17 @@ void run_matte(MatteOptions options) {
     });
     progress.finish();
     if (stop_requested()) throw RuntimeFailure("stopped before the end; the mattes are as they were before");
-    expect_a_performer(what, made);
+    expect_a_performer(options, made);
     unfinished.finish();
     if (!made.missing_split.empty())
         say("one split alone has mattes now, the other cannot be read: {}\n", message_of(made.missing_split));
     tell_findings(made);
-    tell("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",
-         made.images, made.cameras, made.cameras_with_plate, output.string());
+    const bool seeks_plates = what.from.empty() && what.model.empty();  // a network need not
+    const std::string plates = seeks_plates || made.cameras_with_plate > 0
+                                   ? fmt::format(" ({} with a clean plate)", made.cameras_with_plate)
+                                   : "";
+    tell("wrote {} mattes of {} cameras{} into {}; judge them by contact_sheet.png there\n", made.images, made.cameras,
+         plates, output.string());
     if (made.white_borders > kWhiteBorders)
         say("these mattes are white along the borders of the images: {}\n",
             what.model.empty() ? "raise --threshold, or give clean plates" : "look at them before you train");
