@@ -28,8 +28,12 @@ BothSplits read_both_splits(const std::filesystem::path& folder, const std::stri
 
 void add_validation(BothSplits& both, const std::filesystem::path& folder, const std::string& format) {
     if (!has_validation(folder, format)) return;
-    both.rigs.push_back(read_rig(folder, Split::kVal, format));
-    both.splits.push_back(Split::kVal);
+    try {
+        both.rigs.push_back(read_rig(folder, Split::kVal, format));
+        both.splits.push_back(Split::kVal);
+    } catch (const InputError& error) {
+        both.rigs.front().remarks.push_back(fmt::format("the validation cannot be read: {}", error.what()));
+    }
 }
 
 namespace {
@@ -50,8 +54,13 @@ size_t frame_count(const BothSplits& both) {
 void keep_frames(BothSplits& both, size_t first, size_t last) {
     const std::vector<double> times = times_of(both);
     const double begin = times.at(first), end = times.at(last);
-    for (Rig& rig : both.rigs) {
+    for (Rig& rig : both.rigs)
         std::erase_if(rig.shots, [&](const Shot& shot) { return shot.time < begin || shot.time > end; });
+    if (both.splits.back() == Split::kVal && both.rigs.back().shots.empty()) {
+        both.rigs.pop_back();
+        both.splits.pop_back();
+    }
+    for (Rig& rig : both.rigs) {
         if (rig.shots.empty())
             throw InputError(rig.file, "", fmt::format("has no image of the frames {} to {} in one split", first, last),
                              "choose others");

@@ -20,14 +20,15 @@ struct BothSplits {
 BothSplits read_both_splits(const std::filesystem::path& folder, const std::string& format,
                             const std::string& holdout = "");
 
-// Adds the images for the validation, where the layout has such. Throws InputError where they cannot be read.
+// Adds the images for the validation, where the layout has such; where they cannot be read, the first rig gets a
+// remark.
 void add_validation(BothSplits& both, const std::filesystem::path& folder, const std::string& format);
 
 // How many times the images of all splits have.
 size_t frame_count(const BothSplits& both);
 
 // Leaves the images of the frames `first` to `last`, which are counted from 0 over these times; the clip becomes as
-// long as they are. Throws InputError where a split has none of them.
+// long as they are. A validation that has none of them is left out. Throws InputError where another split has none.
 void keep_frames(BothSplits& both, size_t first, size_t last);
 
 // Throws InputError where two images of the splits have one name, or one is called `taken`, of files that are to be
