@@ -102,6 +102,8 @@ uint32_t find_performer(const stage::Stage& stage, const std::string& option, co
 
 namespace {
 
+constexpr double kRounding = 1e-5;  // by which a time that was read from a message may be too large
+
 // The stage time after which nothing changes any more; INFINITY where something does for ever.
 double last_change_s(const stage::Stage& stage) {
     double last = stage.duration_s;
@@ -117,7 +119,7 @@ double last_change_s(const stage::Stage& stage) {
 
 void expect_time_on_stage(const stage::Stage& stage, const std::string& option, double time_s) {
     const double last_s = last_change_s(stage);
-    if (last_s > 0 && time_s > last_s)
+    if (last_s > 0 && time_s > last_s * (1 + kRounding))
         throw InputError(
             option, fmt::format("{:g}", time_s),
             fmt::format("nothing on {} changes after {:.6g} s, when it has ended", stage.file.path.filename().string(),
