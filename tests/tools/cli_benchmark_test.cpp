@@ -197,7 +197,16 @@ TEST_F(CliBenchmark, APlanRunsNothingAndSaysWhatDiffers) {
     EXPECT_NE(other.text.find("differs: PSNR, SSIM, LPIPS of a scene that the benchmark does not know"),
               std::string::npos)
         << other.text;
-    EXPECT_NE(run("dnerf", "mine", {"--plan", "--scene", "lego"}).text.find("--split val"), std::string::npos);
+    const Said lacking = run("dnerf", "mine", {"--plan", "--scene", "lego"});
+    EXPECT_EQ(lacking.code, 2);
+    EXPECT_NE(lacking.text.find("lacks transforms_val.json"), std::string::npos) << lacking.text;
+    std::filesystem::rename(data("mine") / "transforms_test.json", data("mine") / "transforms_val.json");
+    std::filesystem::copy(data("mine") / "transforms_val.json", data("mine") / "transforms_test.json");
+    const Said lego = run("dnerf", "mine", {"--plan", "--scene", "lego"});
+    EXPECT_NE(lego.text.find("--split val"), std::string::npos) << lego.text;
+    EXPECT_NE(lego.text.find("val: 2 images"), std::string::npos) << lego.text;
+    EXPECT_NE(run("dnerf", "mine", {"--plan", "--frames", "0:1"}).text.find("--frames chooses none"),
+              std::string::npos);
 }
 
 TEST_F(CliBenchmark, ActorsHqMeasuresTheImagesOfHumanRf) {
