@@ -235,7 +235,7 @@ void write_video(const Session& session, size_t camera) {
     video.finish();
 }
 
-// Makes each camera's images into a video, one camera after the other so that few encoders are open, and removes them.
+// Makes each camera's images into a video, as many at a time as there are workers, and removes them.
 void write_videos(Session& session) {
     for (size_t c = 0; c < session.stage.cameras.size(); ++c)
         session.workers.add([&session, c] { write_video(session, c); });
