@@ -86,8 +86,7 @@ void note_few_cameras(Rig& rig) {
     if (cameras < kEnoughCameras)
         rig.remarks.push_back(
             fmt::format("{} camera{} few: their hull is larger than the performer, and views between them are worse, "
-                        "with 8 cameras by "
-                        "some 4 dB, with 4 by 7",
+                        "with 8 cameras by some 4 dB, with 4 by 7",
                         cameras, cameras == 1 ? " is" : "s are"));
 }
 

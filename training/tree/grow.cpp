@@ -22,9 +22,9 @@ namespace {
 // Optical depths over a leaf's edge: minus the first where a leaf must be empty, the second for leaves of the first
 // tree in frames in which the hull allows matter.
 constexpr float kForbiddenOpacity = 0.1f, kInitialOpacity = 0.7f;
-// A leaf that no ray has used, but that has this optical depth over its edge, is not empty: other leaves hide it. It
-// stays, for what hides it may become thinner. Without it bodies are hollow, and a hole in their front shows what is
-// behind them.
+// A leaf that rays hardly use, but that has this optical depth over its edge, counts as hidden by other leaves. It
+// stays, as what hides it may become thinner. Without such leaves bodies are hollow, and a hole in their front shows
+// what is behind them. Leaves that the hull allows outside all images stay by this rule, too.
 constexpr float kHiddenDepth = 0.1f;
 constexpr uint32_t kFirstDepth = 4;  // octree depth of the grid with which carving begins
 

@@ -40,7 +40,7 @@ uint32_t reach_of_hull(const Dataset& dataset, const glm::vec3& box_min, const g
 
 struct GrowSettings {
     uint32_t max_depth = 0;
-    float prune_below = 0;      // leaves whose maximum weight is below this are removed (0: none), but for hidden ones
+    float prune_below = 0;      // leaves whose maximum weight is below this are removed (0: none), unless hidden
     bool empty_unused = false;  // empty leaves in the frames that did not use them, where C = frames
     // A leaf may divide, into those of its children that the hull allows, if its maximum weight is at least
     // min_weight_to_divide and its edge covers at least min_pixels_to_divide pixels in the camera where it looks
