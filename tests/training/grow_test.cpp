@@ -5,6 +5,7 @@
 
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
+#include "training/tree/first_tree.h"
 
 namespace neuvv::test {
 namespace {

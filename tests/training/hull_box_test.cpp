@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/look_at.h"
-#include "training/tree/grow.h"
+#include "training/tree/first_tree.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::test {

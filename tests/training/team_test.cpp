@@ -15,7 +15,7 @@
 #include "training/run/train.h"
 #include "training/step/batch.h"
 #include "training/step/gradient_records.h"
-#include "training/tree/grow.h"
+#include "training/tree/first_tree.h"
 #include "voctree/files/nvv.h"
 
 namespace neuvv::test {

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "training/psi/psi.h"
-#include "training/tree/grow.h"
+#include "training/tree/first_tree.h"
 
 namespace neuvv::training {
 

@@ -7,7 +7,7 @@
 #include "training/rig/rig_changes.h"
 #include "training/run/checkpoint.h"
 #include "training/step/team.h"
-#include "training/tree/grow.h"
+#include "training/tree/first_tree.h"
 
 namespace neuvv::training {
 

@@ -5,7 +5,7 @@
 
 #include "shared/trace.h"
 #include "training/data/dataset.h"
-#include "training/tree/grow.h"
+#include "training/tree/first_tree.h"
 
 namespace neuvv::training {
 
