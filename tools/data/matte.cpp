@@ -106,6 +106,7 @@ void expect_a_performer(const MatteOptions& options, const training::MatteSummar
 
 void tell_findings(const training::MatteSummary& made) {
     for (const Note& plate : made.wrong_plates) say("{}\n", message_of(plate));
+    for (const std::string& pair : made.swapped) say("{}\n", pair);
     if (!made.alone.empty()) say("each camera was looked at by itself: {}\n", message_of(made.alone));
     for (const training::CameraAgreement& camera : made.agreements) {
         if (camera.lacking > kWorthALook)

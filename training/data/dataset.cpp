@@ -21,6 +21,15 @@ Dataset load_dataset(const std::filesystem::path& folder, Split split, const Loa
     return read_images(read_rig(folder, split, options.format, options.holdout), options);
 }
 
+bool has_mattes(const Dataset& dataset) {
+    return std::ranges::any_of(dataset.views, [](const View& view) {
+        for (uint32_t y = 0; y < view.image.height(); ++y)
+            for (uint32_t x = 0; x < view.image.width(); ++x)
+                if (view.image.at(x, y)[3] < 255 && !view.ignores(x, y)) return true;
+        return false;
+    });
+}
+
 void change_frame(Dataset& dataset, const voctree::WorldFrame& frame) {
     if (dataset.frame == frame) return;
     const auto moved = [&](const glm::dvec3& p) { return frame.from_capture(dataset.frame.to_capture(p)); };

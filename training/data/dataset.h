@@ -60,6 +60,9 @@ struct LoadOptions {
 // Moves the data set's cameras and box into the frame in which a clip was trained.
 void change_frame(Dataset& dataset, const voctree::WorldFrame& frame);
 
+// Whether an image has a pixel that is neither ignored nor wholly the performer.
+bool has_mattes(const Dataset& dataset);
+
 // The default of LoadOptions::memory_bytes: half of the free memory, as the model needs memory, too.
 uint64_t image_budget();
 

@@ -11,6 +11,7 @@
 #include "training/mattes/brought_mattes.h"
 #include "training/mattes/matte_files.h"
 #include "training/mattes/network_mattes.h"
+#include "training/mattes/swapped_images.h"
 
 namespace neuvv::training {
 
@@ -121,15 +122,17 @@ void add_network(const MatteJob& job, const std::vector<Rig>& rigs, const std::v
 }
 
 // Those that this program makes. Says in the summary how.
-void add_own(const MatteJob& job, const std::vector<Rig>& rigs, const std::vector<CameraShots>& cameras, uint64_t total,
+void add_own(const MatteJob& job, const std::vector<Rig>& rigs, std::vector<CameraShots> cameras, uint64_t total,
              MatteFiles& files, MatteSummary& summary, const MatteProgress& progress) {
     std::optional<std::vector<CameraBackground>> backgrounds = find_backgrounds(cameras, total, summary, progress);
     if (!backgrounds) return;
-    if (const auto box = job.alone ? std::nullopt : figure_box(rigs, cameras, summary.alone))
+    if (const auto box = job.alone ? std::nullopt : figure_box(rigs, cameras, summary.alone)) {
+        summary.swapped = swap_images_back(cameras, *backgrounds, job.settings);
         summary.agreements = add_figure_mattes(cameras, std::move(*backgrounds), *box, job.settings, files, progress)
                                  .value_or(std::vector<CameraAgreement>());
-    else
+    } else {
         add_differences(job, cameras, *backgrounds, total, files, progress);
+    }
 }
 
 }  // namespace

@@ -30,13 +30,15 @@ struct MatteSummary {
     Note missing_split;                       // why one of the two splits was left out; else empty
     Note alone;                               // why the cameras were not looked at together; else empty
     std::vector<CameraAgreement> agreements;  // worst first; empty where the cameras were not looked at together
+    std::vector<std::string> swapped;         // what is said of cameras that have each other's images
     std::vector<Note> wrong_plates;           // plates that are not used
 };
 
 // Writes output/NAME.png, 8-bit grey, for each image NAME of the training and the test split, pixel by pixel as the
 // camera saw it (lens distortion is not undone), and output/contact_sheet.png (matte_files.h). A camera's background is
 // its clean plate, else the median of its images. With kMinFigureCameras and more, all cameras are looked at together
-// (figure_search.h); else each matte is an image's difference from its background.
+// (figure_search.h), after those that have each other's images got their own; else each matte is an image's difference
+// from its background.
 //
 // The value of a matte in `from` is its alpha where it has one, else its brightness. A network gets the background
 // where it wants a plate, and sees each camera's images in order.

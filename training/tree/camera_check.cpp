@@ -18,11 +18,9 @@ constexpr size_t kLookTimes = 5;
 
 // The rig with its images of a few times alone, evenly spread, and of each camera that has none of these its first.
 Rig look_of(const Rig& rig) {
-    const std::vector<double> times = times_of(rig);
-    std::set<double> some;
-    for (size_t i = 0; i < kLookTimes; ++i) some.insert(times[(2 * i + 1) * times.size() / (2 * kLookTimes)]);
+    const std::vector<double> some = look_times(times_of(rig));
     Rig look = rig;
-    std::erase_if(look.shots, [&](const Shot& shot) { return !some.contains(shot.time); });
+    std::erase_if(look.shots, [&](const Shot& shot) { return !std::ranges::binary_search(some, shot.time); });
     std::vector<bool> is_seen(rig.cameras.size());
     for (const Shot& shot : look.shots) is_seen[shot.camera] = true;
     for (const Shot& shot : rig.shots) {
@@ -30,15 +28,6 @@ Rig look_of(const Rig& rig) {
         is_seen[shot.camera] = true;
     }
     return look;
-}
-
-bool has_mattes(const Dataset& look) {
-    return std::ranges::any_of(look.views, [](const View& view) {
-        for (uint32_t y = 0; y < view.image.height(); ++y)
-            for (uint32_t x = 0; x < view.image.width(); ++x)
-                if (view.image.at(x, y)[3] < 255 && !view.ignores(x, y)) return true;
-        return false;
-    });
 }
 
 std::string percent(double share) {
@@ -50,11 +39,8 @@ void swap_back(Rig& rig, const SwappedCameras& pair) {
     for (Shot& shot : rig.shots)
         if (shot.camera == pair.a || shot.camera == pair.b) shot.camera = pair.a + pair.b - shot.camera;
     std::swap(a.plate, b.plate);
-    rig.remarks.push_back(fmt::format(
-        "the images of cameras {0} and {1} seem to be swapped: camera {0} shows what {1} should see, and {1} what {0} "
-        "should see. They are used swapped back, with their masks and plates: rename them (other cameras deny {2} of "
-        "the performer in an image, {3} when they are swapped back)",
-        a.name, b.name, percent(pair.unexplained), percent(pair.unexplained_swapped)));
+    rig.remarks.push_back(swap_text(pair, a.name, b.name) +
+                          ". They are used swapped back, with their masks and plates: rename them");
 }
 
 void leave_out(Rig& rig, const std::vector<Misfit>& misfits) {
@@ -71,6 +57,20 @@ void leave_out(Rig& rig, const std::vector<Misfit>& misfits) {
 }
 
 }  // namespace
+
+std::vector<double> look_times(const std::vector<double>& times) {
+    std::set<double> some;
+    for (size_t i = 0; i < kLookTimes && !times.empty(); ++i)
+        some.insert(times[(2 * i + 1) * times.size() / (2 * kLookTimes)]);
+    return {some.begin(), some.end()};
+}
+
+std::string swap_text(const SwappedCameras& pair, const std::string& a, const std::string& b) {
+    return fmt::format(
+        "the images of cameras {0} and {1} seem to be swapped: camera {0} shows what {1} should see, and {1} what {0} "
+        "should see (other cameras deny {2} of the performer in an image, {3} when they are swapped back)",
+        a, b, percent(pair.unexplained), percent(pair.unexplained_swapped));
+}
 
 void check_cameras(Rig& rig) {
     if (most_misfits(rig.cameras.size()) == 0) return;

@@ -1,7 +1,11 @@
 // Checks the cameras of a capture against each other before it is trained.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "training/data/layouts/rig/rig.h"
+#include "training/tree/misfits.h"
 
 namespace neuvv::training {
 
@@ -9,6 +13,12 @@ namespace neuvv::training {
 // masks and plates are exchanged; other misfits are left out. Rig::remarks say what was done. A rig without mattes, or
 // with fewer than kMinJudgedCameras, is left as it is. Throws InputError as read_images() does.
 void check_cameras(Rig& rig);
+
+// Of the times of a clip, ascending, the few at which cameras are judged, evenly spread.
+std::vector<double> look_times(const std::vector<double>& times);
+
+// What is said of two cameras, by their names, that have each other's images, without a full stop.
+std::string swap_text(const SwappedCameras& pair, const std::string& a, const std::string& b);
 
 // From so many cameras on, views between them gain little by more (training/RESULTS.md).
 constexpr size_t kEnoughCameras = 10;

@@ -50,7 +50,7 @@ struct Figures : ::testing::Test {
     training::Dataset truth = sphere_dataset(kRing);
     training::MatteJob job{.dataset = folder.path / "data", .output = folder.path / "data/mattes"};
 
-    bool has_plates = false;
+    bool has_plates = false, are_swapped = false;  // cameras 3 and 7 have each other's images
 
     // `change` makes something wrong with the image of a view.
     template <typename Change>
@@ -61,6 +61,7 @@ struct Figures : ::testing::Test {
             change(opaque.views[i], image);
             opaque.views[i].image.store(image);
         }
+        if (are_swapped) std::swap(opaque.cameras[3], opaque.cameras[7]);
         std::filesystem::create_directories(job.output);
         write_capture(job.dataset, opaque);
         if (has_plates)
@@ -102,6 +103,18 @@ TEST_F(Figures, AreFoundWithoutPlates) {
     EXPECT_TRUE(made.alone.empty()) << made.alone.words();
     EXPECT_EQ(made.agreements.size(), 10u);
     EXPECT_GT(iou(), 0.9);
+}
+
+TEST_F(Figures, OfSwappedCamerasAreFoundAsIfSwappedBack) {
+    std::filesystem::create_directories(job.dataset / "plates");
+    has_plates = true;
+    const double right = (make(kNothing), iou());
+    are_swapped = true;
+    const training::MatteSummary made = make(kNothing);
+    ASSERT_EQ(made.swapped.size(), 1u);
+    EXPECT_NE(made.swapped[0].find("c03"), std::string::npos) << made.swapped[0];
+    EXPECT_NE(made.swapped[0].find("c07"), std::string::npos) << made.swapped[0];
+    EXPECT_NEAR(iou(), right, 0.01);
 }
 
 // People in a doorway, whom one camera sees, differ from the background as much as the performer does.
