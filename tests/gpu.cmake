@@ -110,6 +110,7 @@ neuvv_test(training_test GPU COST 30
     training/camera_check_test.cpp
     training/bases_test.cpp
     training/grow_test.cpp
+    training/surroundings_test.cpp
     training/merge_test.cpp
     training/revive_test.cpp
     training/batch_test.cpp

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "base/platform.h"
 #include "base/threads/parallel.h"
 #include "training/data/camera_images.h"
 #include "training/data/layouts/rig/image_reader.h"
@@ -44,18 +43,6 @@ uint64_t bytes_of(const Rig& rig, const std::vector<stage::Camera>& cameras) {
     return bytes;
 }
 
-// Memory for the images of a rig, of which the part that exceeds the budget lies on disk.
-std::shared_ptr<SpooledMemory> make_spool(const Rig& rig, const std::vector<stage::Camera>& cameras,
-                                          const LoadOptions& options) {
-    constexpr uint64_t kRounding = 2 * SpooledMemory::kRounding;  // an image has two arrays
-    uint64_t most = 0;
-    for (const Shot& shot : rig.shots)
-        most += TiledImage::max_bytes(cameras[shot.camera].width, cameras[shot.camera].height) + kRounding;
-    const std::filesystem::path cache = cache_folder();
-    return std::make_shared<SpooledMemory>(options.memory_bytes > 0 ? options.memory_bytes : image_budget(),
-                                           cache.empty() ? "/var/tmp" : cache, most);
-}
-
 void expect_matte(const Rig& rig, const Dataset& dataset, bool may_be_empty) {
     bool clear = false, solid = false;
     for (const View& view : dataset.views)
@@ -74,6 +61,17 @@ void expect_matte(const Rig& rig, const Dataset& dataset, bool may_be_empty) {
 }
 
 }  // namespace
+
+std::shared_ptr<SpooledMemory> make_spool(const Rig& rig, const LoadOptions& options) {
+    constexpr uint64_t kRounding = 2 * SpooledMemory::kRounding;  // an image has two arrays
+    const std::vector<stage::Camera> cameras = cameras_of(rig);
+    uint64_t most = 0;
+    for (const Shot& shot : rig.shots)
+        most += TiledImage::max_bytes(cameras[shot.camera].width, cameras[shot.camera].height) + kRounding;
+    const std::filesystem::path cache = cache_folder();
+    return std::make_shared<SpooledMemory>(options.memory_bytes > 0 ? options.memory_bytes : image_budget(),
+                                           cache.empty() ? "/var/tmp" : cache, most);
+}
 
 std::vector<stage::Camera> cameras_of(const Rig& rig) {
     std::vector<const Shot*> first(rig.cameras.size());
@@ -111,7 +109,7 @@ Dataset read_images(const Rig& rig, const LoadOptions& options) {
     std::vector<std::vector<uint32_t>> shots(rig.cameras.size());  // indices into rig.shots by camera
     for (uint32_t i = 0; i < rig.shots.size(); ++i) shots[rig.shots[i].camera].push_back(i);
     dataset.cameras = cameras_of(rig);
-    dataset.spool = make_spool(rig, dataset.cameras, options);
+    dataset.spool = make_spool(rig, options);
     for (const Shot& shot : rig.shots)
         dataset.views.push_back({shot.name, shot.camera, shot.time, TiledImage(dataset.spool.get())});
     for (const RigCamera& camera : rig.cameras) dataset.camera_names.push_back(camera.name);

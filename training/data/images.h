@@ -18,6 +18,9 @@ ImageCount image_count(const Rig& rig);
 // The cameras of a rig without distortion, with the sizes of their images, of which one a camera may be opened.
 std::vector<stage::Camera> cameras_of(const Rig& rig);
 
+// Memory for the images of a rig, of which the part that exceeds the options' budget lies on disk.
+std::shared_ptr<SpooledMemory> make_spool(const Rig& rig, const LoadOptions& options);
+
 // Reads every image, mask and plate that the rig names, on all cores. Throws InputError for images that cannot be read
 // or whose sizes disagree, and where mattes are needed and no image has one; RuntimeFailure where the disk has no room
 // for what exceeds the memory.

@@ -1,6 +1,7 @@
 #include "training/run/change_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "base/threads/parallel.h"
@@ -40,27 +41,37 @@ GrowSettings grow_settings(const TreeChange& change, const Phase& phase, bool co
     GrowSettings settings;
     settings.max_leaves = change.max_leaves;
     settings.hull_margin = change.hull_margin;
-    settings.prune_below = change.epochs > kMinEpochsForPruning && run.adaptive ? phase.prune_below : 0;
+    settings.prune_below = change.looks > kMinEpochsForPruning && run.adaptive ? phase.prune_below : 0;
     settings.empty_unused = change.epochs > kMinEpochsForFrameUse && !coarse;
     settings.divide_share = !coarse && has(run.left_out, OptionalPart::kDivide) ? 0 : phase.divide_share;
-    settings.max_depth = run.max_depth + (coarse ? 0 : kLevelsBelowPixel);
-    settings.min_pixels_to_divide = coarse ? 0 : kMinPixelsToDivide;
+    const bool is_performer = run.leaf_pixels <= 0;
+    settings.max_depth = run.max_depth + (is_performer && !coarse ? kLevelsBelowPixel : 0);
+    settings.min_pixels_to_divide = coarse && is_performer ? 0 : kMinPixelsToDivide;
+    // Coarse leaves of surroundings divide until they look as large as they should.
+    if (!is_performer) settings.min_pixels_to_divide *= run.leaf_pixels * (coarse ? 2 : 1);
     // Finer leaves need rays: a run that does not see all images in a phase is better without them.
     if (!coarse && change.epochs < kMinEpochsForFrameUse) settings.divide_share = 0;
     // After few rays, a low maximum weight means nothing, so all leaves divide.
     settings.min_weight_to_divide =
-        run.adaptive && (!coarse || change.epochs > kMinEpochsForMaxWeight) ? kMinWeightToDivide : 0;
+        run.adaptive && (!coarse || change.looks > kMinEpochsForMaxWeight) ? kMinWeightToDivide : 0;
     return settings;
 }
 
 }  // namespace
 
+double pixels_of_leaves(const RunState& run) {
+    if (run.leaf_pixels <= 0) return 1;
+    const uint32_t left = first_levels(run.leaf_pixels) - std::min(run.phase, first_levels(run.leaf_pixels));
+    return std::pow(run.leaf_pixels * (1u << left), 2);
+}
+
 void change_tree(const TreeChange& change, voctree::VOctree& tree, LeafUse use) {
     RunState& run = change.run;
-    const Phase& phase = kPhases[run.phase];
-    const bool coarse = run.phase <= kLevelsAbovePixel;  // these phases begin with the division of all leaves
+    const Phase& phase = phases_of(run.leaf_pixels)[run.phase];
+    const bool coarse =
+        run.phase <= first_levels(run.leaf_pixels);  // these phases begin with the division of all leaves
     GrowSettings settings = grow_settings(change, phase, coarse);
-    if (run.phase == kLevelsAbovePixel && are_rays_few(change, tree, use)) {
+    if (run.phase == kLevelsAbovePixel && run.leaf_pixels <= 0 && are_rays_few(change, tree, use)) {
         settings.divide_share = 0;
         settings.max_depth = --run.max_depth;
         settings.carve_kept = true;

@@ -208,6 +208,8 @@ voctree::NvvChunk run_chunk(const RunState& run) {
                            {"max_leaves", run.max_leaves},
                            {"max_bytes", run.max_bytes},
                            {"adaptive", run.adaptive},
+                           {"leaves_along_image", run.leaves_along_image},
+                           {"leaf_pixels", run.leaf_pixels},
                            {"natural", run.resolution_is_natural},
                            {"left_out", run.left_out},
                            {"elapsed_s", run.elapsed_s},
@@ -247,6 +249,8 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         read_count(json, "max_leaves", run.max_leaves);
         read_count(json, "max_bytes", run.max_bytes);
         json.at("adaptive").get_to(run.adaptive);
+        if (json.contains("leaves_along_image")) read_count(json, "leaves_along_image", run.leaves_along_image);
+        run.leaf_pixels = json.value("leaf_pixels", 0.0);
         run.resolution_is_natural = json.value("natural", false);
         if (json.contains("left_out")) read_count(json, "left_out", run.left_out, (1u << kOptionalParts.size()) - 1);
         json.at("elapsed_s").get_to(run.elapsed_s);
@@ -264,8 +268,8 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         throw InputError(path.string(), "chunk run0", fmt::format("holds a number out of range: \"{}\"", key.what()),
                          Remedy::kTrainAnew);
     }
-    std::vector<double> amounts{run.elapsed_s, run.other_s, run.elapsed_s - run.other_s,
-                                run.rays,      run.minutes, run.squared_error};
+    std::vector<double> amounts{run.elapsed_s,     run.other_s,    run.elapsed_s - run.other_s, run.rays, run.minutes,
+                                run.squared_error, run.leaf_pixels};
     for (const NamedLossWeight& one : kLossWeights) amounts.push_back(double{run.weights.*one.weight});
     for (const double amount : amounts)
         if (!(amount >= 0) || !std::isfinite(amount))

@@ -20,6 +20,9 @@ struct RunState {
     uint64_t phase_rays = 0;    // rays since the phase began, counted as pixels
     uint64_t dataset_hash = 0;  // shows whether a resumed run has the same data set
     uint32_t max_depth = 0;  // octree depth of leaves of a pixel's size; less where leaves stay larger (kMinRaysOfLeaf)
+    // Of surroundings (surroundings_tree.h): the resolution, and how large the finest leaves look; 0: of a performer.
+    uint32_t leaves_along_image = 0;
+    double leaf_pixels = 0;
     bool resolution_is_natural = false;       // no user chose it
     uint64_t several_rays_from = UINT64_MAX;  // the first step with several rays per pixel
     uint32_t max_leaves = 0;                  // the run's bounds; 0: none

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "training/step/slice_adjoint.h"
+#include "training/tree/surroundings_tree.h"
 
 namespace neuvv::training {
 
@@ -20,14 +21,34 @@ struct Phase {
     float divide_share;
     float merge_within;
 };
-constexpr Phase kPhases[] = {{0, 0, 0, 0},          {0.01, 0.003f, 1, 0},      {0.05, 0.003f, 1, 0},
-                             {0.15, 0.03f, 0, 0},   {0.3, 0.05f, 0.1f, 0.15f}, {0.45, 0.05f, 0.1f, 0.15f},
-                             {0.7, 0.05f, 0, 0.15f}};
-constexpr uint32_t kPhaseCount = sizeof(kPhases) / sizeof(kPhases[0]);
+constexpr std::array<Phase, 7> kPhases = {{{0, 0, 0, 0},
+                                           {0.01, 0.003f, 1, 0},
+                                           {0.05, 0.003f, 1, 0},
+                                           {0.15, 0.03f, 0, 0},
+                                           {0.3, 0.05f, 0.1f, 0.15f},
+                                           {0.45, 0.05f, 0.1f, 0.15f},
+                                           {0.7, 0.05f, 0, 0.15f}}};
+constexpr uint32_t kPhaseCount = kPhases.size();
+// Those of surroundings (surroundings_tree.h), where leaves that rays see divide kSurroundingsLevels times. Their first
+// leaves fill all space, and need longer to show which of them are empty.
+constexpr std::array<Phase, kPhaseCount> kSurroundingsPhases = {{{0, 0, 0, 0},
+                                                                 {0.06, 0.002f, 1, 0},
+                                                                 {0.14, 0.002f, 1, 0},
+                                                                 {0.22, 0.004f, 1, 0},
+                                                                 {0.32, 0.006f, 1, 0.15f},
+                                                                 {0.5, 0.05f, 0.1f, 0.15f},
+                                                                 {0.75, 0.05f, 0, 0.15f}}};
 
 // The leaves of the first tree lie so many levels above leaves of a pixel's size, the finest leaves so many below: with
 // half a pixel they show edges sharply.
 constexpr uint32_t kLevelsAbovePixel = 2, kLevelsBelowPixel = 1;
+// The same, and the phases, of either kind of tree: `leaf_pixels` is RunState::leaf_pixels.
+constexpr uint32_t first_levels(double leaf_pixels) {
+    return leaf_pixels > 0 ? kSurroundingsLevels : kLevelsAbovePixel;
+}
+constexpr const std::array<Phase, kPhaseCount>& phases_of(double leaf_pixels) {
+    return leaf_pixels > 0 ? kSurroundingsPhases : kPhases;
+}
 
 // Leaves of half the size are seen by a quarter as many rays each, and a step of as many rays takes more than twice as
 // long. In a budget of minutes, the last of the divisions above is therefore left out where fewer rays are to be
@@ -92,7 +113,7 @@ float smoothness_factor(double squared_error);
 constexpr double kErrorShare = 0.02;
 
 // How many steps in a row are at the same time; all but the first of them need not slice. Where frames share bases,
-// each step also changes what other frames show, and four steps in a row make those worse: 29.3 → 24.7 dB (RESULTS.md).
+// each step also changes what other frames show, and four steps in a row make those worse: 29.3 → 24.7 dB.
 constexpr uint32_t kBatchesPerFrame = 4;
 inline uint32_t batches_in_a_row(const voctree::VOctree& tree) {
     return tree.bases < tree.frames ? 1 : kBatchesPerFrame;

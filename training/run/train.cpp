@@ -43,6 +43,7 @@ class Run {
   private:
     void begin();
     void begin_new();
+    voctree::VOctree first_tree();
     void go_on_from_checkpoint();
     const Team& team() const { return settings_.team; }
     // Throws InputError where members cannot train together. Afterwards all have read what they read.
@@ -57,7 +58,8 @@ class Run {
     void correct_rig(const RigChanges& changes);
     void make_step() { training::make_step(device_, trained_, dataset_.cameras.size(), run_.tiles_per_step, team()); }
     void begin_phase_if_due();
-    void change_own_tree(uint32_t max_leaves);
+    // What is known of the change after the phase that ends, but for the bound on leaves.
+    TreeChange change_after_phase();
     // Asks TrainSettings::between_steps.
     bool may_go_on() {
         return !settings_.between_steps ||
@@ -127,8 +129,7 @@ void Run::begin_new() {
     run_.program = settings_.program;
     colours_ = CameraColours(dataset_.cameras.size(), dataset_.times.size(), settings_.refine);
     correct_rig(settings_.rig);
-    trained_.tree =
-        settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbovePixel);
+    trained_.tree = first_tree();
     if (run_.max_leaves > 0 && trained_.tree.leaf_count > run_.max_leaves)
         throw InputError(Setting{"max-leaves"}, std::to_string(run_.max_leaves),
                          fmt::format("already the first tree has {} leaves", trained_.tree.leaf_count),
@@ -140,8 +141,17 @@ void Run::begin_new() {
                                      trained_.tree.leaf_count, max_leaves()),
                          Remedy::kLowerResolution);
     adopt_first_tree(team(), trained_.tree);
-    run_.max_depth = voctree::leaf_positions(trained_.tree)[0].depth + kLevelsAbovePixel;
+    run_.max_depth =
+        run_.leaf_pixels > 0 ? 2 * kMaxNodeLevels : voctree::leaf_positions(trained_.tree)[0].depth + kLevelsAbovePixel;
     make_step();
+}
+
+voctree::VOctree Run::first_tree() {
+    if (settings_.first_tree) return *settings_.first_tree;
+    if (!settings_.surroundings) return initial_tree(dataset_, settings_.shape, kLevelsAbovePixel);
+    run_.leaves_along_image = resolution_around(settings_.shape.resolution);
+    run_.leaf_pixels = leaf_pixels_of(dataset_, run_.leaves_along_image);
+    return surroundings_tree(dataset_, run_.leaf_pixels, settings_.shape.hh_degree);
 }
 
 void Run::begin() {
@@ -188,9 +198,9 @@ void Run::correct_rig(const RigChanges& changes) {
 }
 
 void Run::begin_phase_if_due() {
-    if (run_.phase + 1 >= kPhaseCount || fraction() < kPhases[run_.phase + 1].begins) return;
-    const double epochs = static_cast<double>(run_.phase_rays) / static_cast<double>(sampler_->rays_per_epoch());
-    const bool covered = epochs > kMinEpochsForPruning, coarse = run_.phase < kLevelsAbovePixel;
+    if (run_.phase + 1 >= kPhaseCount || fraction() < phases_of(run_.leaf_pixels)[run_.phase + 1].begins) return;
+    TreeChange change = change_after_phase();
+    const bool covered = change.looks > kMinEpochsForPruning, coarse = run_.phase < first_levels(run_.leaf_pixels);
     if (!covered && !coarse) return;  // the change waits until enough rays were traced
     if (run_.max_bytes > 0) save();   // max_leaves() needs to know how well this tree packs
     ++run_.phase;
@@ -199,21 +209,22 @@ void Run::begin_phase_if_due() {
     const TraceSpan span("change the tree", run_.phase);
     trained_.step->download(trained_.tree);
     const std::vector<uint32_t> bounds = gather_values(team(), max_leaves());
-    if (team().is_first()) change_own_tree(*std::min_element(bounds.begin(), bounds.end()));
+    change.max_leaves = *std::min_element(bounds.begin(), bounds.end());
+    if (team().is_first()) change_tree(change, trained_.tree, read_use(device_, trained_.step->tally(), trained_.tree));
     adopt_first_tree(team(), trained_.tree);
     make_step();
     run_.adam_step = 0;
     run_.phase_rays = 0;
 }
 
-void Run::change_own_tree(uint32_t max_leaves) {
+TreeChange Run::change_after_phase() {
     TreeChange change{run_, dataset_};
     change.epochs = static_cast<double>(run_.phase_rays) / static_cast<double>(sampler_->rays_per_epoch());
+    change.looks = change.epochs * pixels_of_leaves(run_);
     change.rays_of_run = run_.rays / fraction();
-    change.max_leaves = max_leaves;
     change.hull_margin = settings_.shape.hull_margin;
     change.may_stay_coarse = settings_.may_stay_coarse;
-    change_tree(change, trained_.tree, read_use(device_, trained_.step->tally(), trained_.tree));
+    return change;
 }
 
 void Run::expect_alike() const {
@@ -269,9 +280,10 @@ StepSettings Run::step_settings(double time) const {
     StepSettings settings;
     settings.frame = static_cast<float>(frame_of_time(time, trained_.tree.frames));
     settings.rates = learning_rates(fraction(), epochs_of_run());
-    if (run_.phase < kLevelsAbovePixel) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
+    if (run_.leaf_pixels <= 0 && run_.phase < kLevelsAbovePixel)
+        settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
     settings.adam.step = run_.adam_step;
-    settings.adam.min_used_weight = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
+    settings.adam.min_used_weight = phases_of(run_.leaf_pixels)[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
     if (voctree::has_basis_per_frame(trained_.tree) && epochs_of_run() >= kBoundedEpochs &&
         !has(run_.left_out, OptionalPart::kBound) && settings.frame == std::round(settings.frame))
         settings.adam.least_depth = kLeastDepth;

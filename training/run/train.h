@@ -18,7 +18,7 @@ struct BetweenSteps {
     TrainingStep& step;
     const BatchSampler& sampler;
     double fraction;  // of the budget
-    uint32_t phase;   // index into kPhases
+    uint32_t phase;   // index into phases_of()
     const CameraColours& colours;
 };
 
@@ -42,6 +42,9 @@ struct TrainSettings {
     RigChanges rig;
     std::string program = "NeuVV";  // RunState::program
     bool resume = false;
+    // Whether the data set is of what stands around the performer (read_surroundings). The run then begins with
+    // surroundings_tree, and `shape.resolution` counts leaves along the longer side of an image.
+    bool surroundings = false;
     // The tree with which a run begins, in place of initial_tree. All its leaves must lie kLevelsAbovePixel levels
     // above the finest depth of `shape`.
     const voctree::VOctree* first_tree = nullptr;
