@@ -52,7 +52,8 @@ const std::map<Remedy, const char*> kWords = {
     {Remedy::kUnitIfWrong, "--unit or --height where that is wrong"},
     {Remedy::kMakeMattes, "run `neuvv matte {}`"},
     {Remedy::kMakeMattesOrGive,
-     "run `neuvv matte {}`, or give RGBA PNGs whose alpha is 255 on the performer and 0 elsewhere"},
+     "run `neuvv matte {}`, or give RGBA PNGs whose alpha is 255 on the performer and 0 elsewhere; `neuvv train "
+     "--background learn` takes images as they are, without a performer"},
     {Remedy::kMoreCameras, "choose a lower --holdout (0: none), or more cameras"},
     {Remedy::kMoreCamerasOrHoldNone, "give two cameras or more, or `--holdout 0`"},
     {Remedy::kMoreFilesOrHoldNone,

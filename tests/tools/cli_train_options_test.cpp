@@ -30,7 +30,7 @@ TEST_F(CliGpu, EveryOptionOfTrainIsTaken) {
         {"parts.nvv", {"--steps", "4", "--resume"}},
         {"parts.nvv", {"--steps", "2", "--from", "0", "--to", "1", "--overwrite"}},
     };
-    std::set<std::string> taken = {"--help", "--output"};
+    std::set<std::string> taken = {"--help", "--output", "--background"};  // the last one: see below
     for (const auto& [output, words] : runs) {
         Words all = {"train", file("data"), "-o", file(output.c_str())};
         all.insert(all.end(), small.begin(), small.end());
@@ -48,6 +48,67 @@ TEST_F(CliGpu, EveryOptionOfTrainIsTaken) {
     for (std::sregex_iterator match(help.begin(), help.end(), option), end; match != end; ++match)
         EXPECT_TRUE(taken.contains((*match)[1])) << (*match)[1];
     EXPECT_GT(taken.size(), 50u);
+}
+
+TEST_F(CliGpu, TrainLearnsTheBackground) {
+    const std::string performer = NEUVV_SOURCE_DIR "/tools/performer/performer.glb";
+    const auto capture = [&](const char* name, const char* background) {
+        const ProgramResult result = run_neuvv({"capture", performer, "-o", file(name), "--cameras", "8", "--frames",
+                                                "2", "--size", "64x64", "--background", background});
+        ASSERT_EQ(result.code, 0) << result.err;
+    };
+    const auto train = [&](const char* data, Words more = {}) {
+        Words words = {"train", file(data), "-o", file("show.nvv"), "--background",
+                       "learn", "--steps",  "12", "--resolution",   "32"};
+        words.insert(words.end(), more.begin(), more.end());
+        return run_neuvv(words);
+    };
+    capture("cut", "clear");
+    const ProgramResult cut = train("cut");
+    EXPECT_EQ(cut.code, 2);
+    EXPECT_NE(cut.err.find("show nothing outside the mattes"), std::string::npos) << cut.err;
+    EXPECT_FALSE(std::filesystem::exists(file("show.nvv"))) << "before the performer is trained";
+
+    capture("room", "checker");
+    const ProgramResult refused = train("room", {"--refine", "auto"});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_NE(refused.err.find("--background"), std::string::npos) << refused.err;
+    const ProgramResult both = train("room", {"--overwrite"});
+    ASSERT_EQ(both.code, 0) << both.err;
+    EXPECT_EQ(voctree::read_nvv(file("show.nvv")).frames, 2u);
+    const voctree::VOctree room = voctree::read_nvv(file("show.background.nvv"));
+    EXPECT_EQ(room.frames, 1u);
+    EXPECT_GT(room.box_size.x, 4 * voctree::read_nvv(file("show.nvv")).box_size.x);
+    std::filesystem::remove(file("show.nvv"));
+    std::filesystem::remove(file("show.nvv.state"));
+    const ProgramResult there = train("room");
+    EXPECT_EQ(there.code, 2);
+    EXPECT_NE(there.err.find("show.background.nvv"), std::string::npos) << there.err;
+    EXPECT_FALSE(std::filesystem::exists(file("show.nvv"))) << "and that is said first";
+
+    // Without mattes, there is nothing but the room: the plates are the images.
+    std::filesystem::create_directories(file("empty"));
+    const nlohmann::json captured = nlohmann::json::parse(read_text(file("room/transforms_train.json")));
+    nlohmann::json frames = captured;
+    frames["frames"].clear();
+    for (nlohmann::json frame : captured["frames"]) {
+        if (frame["time"] != 0) continue;
+        const std::filesystem::path plate = frame["background_path"].get<std::string>();
+        std::filesystem::copy_file(folder.path / "room" / plate, folder.path / "empty" / plate.filename());
+        frame["file_path"] = plate.filename().string();
+        frame.erase("background_path");
+        frames["frames"].push_back(frame);
+    }
+    write_text(file("empty/transforms_train.json"), frames.dump());
+    write_text(file("empty/transforms_test.json"), frames.dump());
+    const ProgramResult alone = train("empty", {"--overwrite"});
+    ASSERT_EQ(alone.code, 0) << alone.err;
+    EXPECT_NE(alone.err.find("whole images are learnt"), std::string::npos) << alone.err;
+    EXPECT_EQ(voctree::read_nvv(file("show.nvv")).frames, 1u);
+    const ProgramResult measured = run_neuvv({"eval", file("show.nvv"), file("empty"), "--json", "-"});
+    ASSERT_EQ(measured.code, 0) << measured.err;
+    EXPECT_NE(measured.err.find("all of each is compared"), std::string::npos) << measured.err;
+    EXPECT_GT(nlohmann::json::parse(measured.out)["psnr"].get<double>(), 12);
 }
 
 }  // namespace

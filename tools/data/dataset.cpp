@@ -186,10 +186,12 @@ void print_layers(const training::Rig& rig, const DatasetOptions& options, const
     print_field("masks",
                 masks == 0 ? "none" : fmt::format("{}; {}", masks, kMaskTexts[static_cast<size_t>(rig.masks)]));
     print_field("plates", plates == 0 ? "none" : fmt::format("of {} cameras", plates));
-    print_field("mattes",
-                matte ? fmt::format("yes; the performer fills {:.1f} % of an image{}", 100 * *matte,
-                                    sources_text(training::matte_sources({rig})))
-                      : fmt::format("none, and training needs them: make them with `neuvv matte {}`", options.folder));
+    print_field(
+        "mattes",
+        matte ? fmt::format("yes; the performer fills {:.1f} % of an image{}", 100 * *matte,
+                            sources_text(training::matte_sources({rig})))
+              : fmt::format("none: make them with `neuvv matte {}`, or train whole images with --background learn",
+                            options.folder));
 }
 
 // Boxes are printed in the coordinates of the capture.

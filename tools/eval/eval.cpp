@@ -248,7 +248,11 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     const voctree::ClipIndex clip = voctree::read_clip_index(options.scene, up_of(options.scene, options.up));
     training::Rig rig = training::read_rig(options.dataset, kSplits.at(options.split), options.format, options.holdout);
     if (kSplits.at(options.split) == training::Split::kTrain) training::check_cameras(rig);  // as training does
-    training::Dataset dataset = training::read_images(rig, {.format = options.format, .holdout = options.holdout});
+    training::Dataset dataset = training::read_images(
+        rig, {.format = options.format, .holdout = options.holdout, .mattes_needed = clip.frames() > 1});
+    if (!training::has_mattes(dataset))
+        say("no image of {} has a matte: all of each is compared, as a still by --background learn shows it\n",
+            options.dataset);
     say_remarks(dataset.remarks);
     training::change_frame(dataset, voctree::read_world_frame(options.scene));
     if (clip.frames() != dataset.times.size())

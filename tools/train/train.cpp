@@ -21,6 +21,7 @@
 #include "tools/train/refine.h"
 #include "tools/train/replacement.h"
 #include "tools/train/train_run.h"
+#include "training/mattes/surroundings.h"
 #include "training/run/checkpoint.h"
 #include "training/run/claim.h"
 #include "training/run/schedule.h"
@@ -247,14 +248,14 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     catch_batch_signals();
     training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format, options.holdout);
     training::check_cameras(rig);
-    if (!options.settings.resume) training::note_few_cameras(rig);
+    if (!options.surroundings && !options.settings.resume) training::note_few_cameras(rig);
     if (ranks.is_first()) say_remarks(rig.remarks);
     const std::optional<media::Sound> audio = ranks.is_first() ? read_audio(options) : std::nullopt;
     const auto write_audio = [&] {
         if (audio) media::write_sound(voctree::sound_file(options.output), *audio);
     };
     if (in_segments) return run_in_segments(options, rig, ranks, common, write_audio);
-    if (ranks.is_first()) advise_segments(options, rig);
+    if (ranks.is_first() && !options.surroundings) advise_segments(options, rig);
     std::optional<training::RunClaim> claim;
     if (ranks.is_first()) claim = claim_file(options.clip());
     if (ranks.is_first() && !options.replaces.empty() && !options.settings.resume) begin_replacement(options);
@@ -273,6 +274,37 @@ void run_train(TrainOptions options, const CommonOptions& common) {
         complete = train_rig(device, options, rig, view);
     });
     if (ranks.is_first()) conclude(options, complete);
+}
+
+// Trains the performer, and then what stands around it; of images without mattes that alone.
+void run_with_surroundings(const TrainOptions& options, const CommonOptions& common) {
+    if (is_in_segments(options) || options.init != "hull" || ranks_of_environment().count > 1 ||
+        refine_of(options.refine).needs_search())
+        throw InputError("--background", options.background,
+                         "is for one tree of one process, without --segment, --init psi, and --refine but for colours",
+                         "train the performer by a command of its own, without --background");
+    TrainOptions around = options;
+    around.surroundings = true;
+    const training::Rig rig =
+        training::read_rig(options.dataset, training::Split::kTrain, options.format, options.holdout);
+    if (!training::has_mattes(rig)) {
+        say("no image has a matte: whole images are learnt, as one still\n");
+        return run_train(around, common);
+    }
+    training::expect_surroundings(rig);
+    around.output.replace_extension(".background.nvv");
+    around.live = {};
+    around.audio = {};
+    around.refine = {};
+    around.max_megabytes = 0;  // bounds are those of the performer
+    around.settings.max_leaves = 0;
+    const bool is_begun =
+        std::filesystem::exists(training::state_path(around.output)) || has_replacement(around.output);
+    const bool is_finished = options.settings.resume && !is_begun && std::filesystem::exists(around.output);
+    around.settings.resume = options.settings.resume && is_begun;
+    if (!is_finished) training_place(around, false, common.overwrite);  // refuses before the performer is trained
+    run_train(options, common);
+    if (!stop_requested() && !is_finished) run_train(around, common);
 }
 
 std::string weight_option(const training::NamedLossWeight& weight) {
@@ -299,6 +331,11 @@ void add_init_options(Command verb, TrainOptions& options) {
                                          "The network's own budget, before that of the octree, with --init psi")
                              .number_between(0.01, 1e5)
                              .show_default();
+    verb.add_option("--background", options.background,
+                    "learn: what stands still around the performer becomes an octree, too, NAME.background.nvv beside "
+                    "OUTPUT, in the same --minutes or --steps again; of images without mattes there is nothing else, "
+                    "and it is OUTPUT. --resolution then counts leaves along an image")
+        .one_of({"learn"});
     verb.add_option("--psi-steps", options.psi_steps, "The same in steps")
         .in_range(1u, 1000000000u)
         .excludes(psi_minutes);
@@ -411,6 +448,7 @@ void add_train(Command app, CommonOptions& common) {
          "  neuvv train work/performer -o work/psi.nvv --init psi --psi-minutes 10 --minutes 20\n"
          "  neuvv train work/performer -o work/rig.nvv --refine auto\n"
          "  neuvv train work/performer -o work/light.nvv --max-memory 20\n"
+         "  neuvv train work/checker -o work/show.nvv --background learn    (of capture's --background checker)\n"
          "  neuvv train work/performer -o work/long.nvv --segment 8 --minutes 20\n"
          "  neuvv train work/performer -o work/long.nvv --from 8 --to 16 --minutes 10 --overwrite\n"
          "  mpirun --bind-to none -n 2 neuvv train work/performer -o work/team.nvv --minutes 20\n"
@@ -421,7 +459,7 @@ void add_train(Command app, CommonOptions& common) {
         // Segments that are not begun yet take all options of this command.
         if (options->settings.resume && !is_in_segments(*options) && ranks_of_environment().is_first())
             warn_of_ignored_options(verb);
-        run_train(*options, common);
+        options->background.empty() ? run_train(*options, common) : run_with_surroundings(*options, common);
     });
 }
 

@@ -14,6 +14,7 @@
 #include "tools/say.h"
 #include "tools/train/refine.h"
 #include "training/data/images.h"
+#include "training/mattes/surroundings.h"
 #include "training/psi/psi_tree.h"
 #include "training/run/metrics_log.h"
 #include "training/run/preview.h"
@@ -140,6 +141,7 @@ training::LoadOptions load_options(const TrainOptions& options) {
     const bool given = options.image_gigabytes > 0;
     return {.format = options.format,
             .holdout = options.holdout,
+            .mattes_needed = !options.surroundings,
             .may_be_empty = options.frames.has_value(),
             .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.image_gigabytes) : training::image_budget()};
 }
@@ -161,6 +163,13 @@ training::Dataset load_images(const TrainOptions& options, const training::Rig& 
     // Of processes that train one tree, one says it.
     if (!quiet || options.frames) say("{}", doubtful_mattes_text(dataset, doubtful));
     return dataset;
+}
+
+// So many pixels of an image's longer side are enough for leaves of surroundings.
+uint32_t image_side(const TrainOptions& options) {
+    const bool resumes = options.settings.resume;
+    return resumes ? training::load_checkpoint(options.output).run.leaves_along_image
+                   : training::resolution_around(options.settings.shape.resolution);
 }
 
 // Whether no image has foreground: of such images, no tile is kept.
@@ -229,7 +238,10 @@ bool train_rig(const gpu::Device& device, const TrainOptions& options, const tra
     settings.left_out = optional_parts_of(options.leave_out);
     settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
     const training::LoadOptions load = load_options(options);
-    training::Dataset dataset = load_images(options, rig, load, view.quiet);
+    training::Dataset dataset = options.surroundings ? training::read_surroundings(rig, load, image_side(options))
+                                                     : load_images(options, rig, load, view.quiet);
+    settings.surroundings = options.surroundings;
+    if (options.surroundings) say_remarks(dataset.remarks);
     if (options.frames && shows_nothing(dataset)) {
         write_empty(options, dataset);
         return true;

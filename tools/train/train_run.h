@@ -47,6 +47,8 @@ struct TrainOptions {
     LiveOptions live;
     std::string refine, leave_out;
     std::optional<training::RigCorrection> correction;  // of a segment's rig, in place of a search of its own
+    bool surroundings = false;                          // whether this run trains what stands around the performer
+    std::string background;                             // "learn": what stands around the performer is learnt, too
     std::string init = "hull";                          // or "psi"
     double psi_minutes = 2;
     uint64_t psi_steps = 0;
