@@ -331,10 +331,12 @@ void add_init_options(Command verb, TrainOptions& options) {
                                          "The network's own budget, before that of the octree, with --init psi")
                              .number_between(0.01, 1e5)
                              .show_default();
-    verb.add_option("--background", options.background,
-                    "learn: what stands still around the performer becomes an octree, too, NAME.background.nvv beside "
-                    "OUTPUT, in the same --minutes or --steps again; of images without mattes there is nothing else, "
-                    "and it is OUTPUT. --resolution then counts leaves along an image")
+    verb.add_option(
+            "--background", options.background,
+            "learn: what stands still around the performer becomes an octree, too, NAME.background.nvv beside "
+            "OUTPUT, in the same --minutes or --steps again; of images without mattes there is nothing else, "
+            "and it is OUTPUT. Its --resolution counts leaves along an image (default: 200). Where both are learnt, "
+            "--max-leaves and --max-memory bound the performer alone")
         .one_of({"learn"});
     verb.add_option("--psi-steps", options.psi_steps, "The same in steps")
         .in_range(1u, 1000000000u)
@@ -448,7 +450,7 @@ void add_train(Command app, CommonOptions& common) {
          "  neuvv train work/performer -o work/psi.nvv --init psi --psi-minutes 10 --minutes 20\n"
          "  neuvv train work/performer -o work/rig.nvv --refine auto\n"
          "  neuvv train work/performer -o work/light.nvv --max-memory 20\n"
-         "  neuvv train work/checker -o work/show.nvv --background learn    (of capture's --background checker)\n"
+         "  neuvv train work/checker -o work/show.nvv --background learn   # has a background\n"
          "  neuvv train work/performer -o work/long.nvv --segment 8 --minutes 20\n"
          "  neuvv train work/performer -o work/long.nvv --from 8 --to 16 --minutes 10 --overwrite\n"
          "  mpirun --bind-to none -n 2 neuvv train work/performer -o work/team.nvv --minutes 20\n"
