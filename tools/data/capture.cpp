@@ -29,7 +29,7 @@ animation shows its rest pose. There are no lights: unlit materials show their b
 
 --studio SEED simulates the cameras of a real studio in that room, and the mistakes of its people, to try how training
 copes. Each camera has sensor noise, channel gains of 0.7 to 1.4, vignetting, and JPEG of quality 85; mattes are in
-DIR/mattes. The recordings of two cameras are exchanged, two cameras have a wrong plate or none, and 1 % of the mattes
+DIR/mattes. A lamp above casts the performer's soft shadow on the floor. The recordings of two cameras are exchanged, two cameras have a wrong plate or none, and 1 % of the mattes
 lack a part or show too much. DIR/studio.json says what was done. Held-out cameras stay as with --background checker, so
 that `neuvv eval` measures against the truth.
 

@@ -14,27 +14,36 @@ constexpr glm::vec3 kColours[3][2] = {{{0.10f, 0.16f, 0.22f}, {0.42f, 0.50f, 0.5
                                       {{0.16f, 0.15f, 0.14f}, {0.50f, 0.48f, 0.44f}},
                                       {{0.14f, 0.20f, 0.12f}, {0.48f, 0.54f, 0.42f}}};
 
-// The room's colour where the ray from the eye meets a wall.
-glm::vec3 colour_along(const Backdrop& room, const glm::dvec3& eye, const glm::dvec3& direction) {
+glm::vec3 colour_at(const Backdrop& room, const Wall& wall) {
+    const glm::dvec3 tile = glm::floor((wall.point - room.low) / room.tile_m);
+    const double sum = tile[(wall.axis + 1) % 3] + tile[(wall.axis + 2) % 3];
+    return kColours[wall.axis][std::fmod(std::abs(sum), 2.0) >= 1 ? 1 : 0];
+}
+
+}  // namespace
+
+Wall wall_along(const Backdrop& room, const glm::dvec3& eye, const glm::dvec3& direction) {
     double nearest = INFINITY;
-    int wall = 0;
+    Wall wall;
     for (int axis = 0; axis < 3; ++axis) {
         if (direction[axis] == 0) continue;
         const double distance = ((direction[axis] > 0 ? room.high : room.low)[axis] - eye[axis]) / direction[axis];
         if (distance >= nearest) continue;
         nearest = distance;
-        wall = axis;
+        wall.axis = axis;
     }
-    const glm::dvec3 tile = glm::floor((eye + nearest * direction - room.low) / room.tile_m);
-    const double sum = tile[(wall + 1) % 3] + tile[(wall + 2) % 3];
-    return kColours[wall][std::fmod(std::abs(sum), 2.0) >= 1 ? 1 : 0];
+    wall.is_floor = wall.axis == 1 && direction.y < 0;
+    wall.point = eye + nearest * direction;
+    return wall;
 }
 
-}  // namespace
+glm::dvec3 direction_of(const stage::Camera& camera, double x, double y) {
+    return glm::dmat3(camera.world_from_camera) *
+           glm::dvec3((x - camera.cx) / camera.fx, -(y - camera.cy) / camera.fy, -1);
+}
 
 media::Image clean_plate(const Backdrop& backdrop, const stage::Camera& camera) {
     media::Image plate(camera.width, camera.height);
-    const glm::dmat3 axes(camera.world_from_camera);
     const glm::dvec3 eye(camera.world_from_camera[3]);
     for (uint32_t y = 0; y < camera.height; ++y)
         for (uint32_t x = 0; x < camera.width; ++x) {
@@ -42,8 +51,7 @@ media::Image clean_plate(const Backdrop& backdrop, const stage::Camera& camera) 
             for (int s = 0; s < kSamplesOfBackdrop * kSamplesOfBackdrop; ++s) {
                 const double px = x + (s % kSamplesOfBackdrop + 0.5) / kSamplesOfBackdrop,
                              py = y + (s / kSamplesOfBackdrop + 0.5) / kSamplesOfBackdrop;
-                sum += colour_along(backdrop, eye,
-                                    axes * glm::dvec3((px - camera.cx) / camera.fx, -(py - camera.cy) / camera.fy, -1));
+                sum += colour_at(backdrop, wall_along(backdrop, eye, direction_of(camera, px, py)));
             }
             for (int c = 0; c < 3; ++c) {
                 const auto linear = static_cast<double>(sum[c]) / (kSamplesOfBackdrop * kSamplesOfBackdrop);

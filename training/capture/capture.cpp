@@ -19,6 +19,7 @@
 #include "stage/pose.h"
 #include "training/capture/backdrop.h"
 #include "training/capture/capture_files.h"
+#include "training/capture/floor_shadow.h"
 #include "training/capture/studio.h"
 
 namespace neuvv::training {
@@ -195,12 +196,20 @@ void write_plates(Session& session) {
     session.workers.finish();
 }
 
-void write_image(const Session& session, size_t camera, size_t frame, const render::RasterImage& image) {
+// What lies behind the performer: in a studio with a shadow, but not where nothing is done to the camera.
+media::Image background_of(const Session& session, size_t camera, const FloorShadow* shadow) {
+    const media::Image& plate = session.plates[camera];
+    if (!session.is_spoilt(camera)) return plate;
+    return shaded(plate, backdrop_of(session.stage), session.stage.cameras[camera], *shadow);
+}
+
+void write_image(const Session& session, size_t camera, size_t frame, const render::RasterImage& image,
+                 const FloorShadow* shadow) {
     const uint32_t width = session.settings.width, height = session.settings.height;
     const std::vector<glm::vec4> light = render::box_down(image, width, height);
     const std::filesystem::path images = session.folder / "images";
-    const media::Image scene =
-        session.plates.empty() ? render::encode_straight(light, width, height) : compose(light, session.plates[camera]);
+    const media::Image scene = session.plates.empty() ? render::encode_straight(light, width, height)
+                                                      : compose(light, background_of(session, camera, shadow));
     if (!session.is_spoilt(camera)) {
         media::write_png(images / (image_name(camera, frame) + ".png"), scene);
         return;
@@ -265,6 +274,16 @@ void write_cameras(const Session& session, const std::vector<bool>& is_test) {
     write_transforms(session.folder / "transforms_train.json", clip);
 }
 
+// Of the pose that the rasterizer has; null outside of a studio.
+std::shared_ptr<const FloorShadow> shadow_of(const Session& session, render::Rasterizer& rasterizer) {
+    if (!session.studio) return nullptr;
+    const CaptureStage& stage = session.stage;
+    const stage::Camera lamp =
+        lamp_above(stage.cameras.front(), 0.5 * (stage.box.first + stage.box.second), stage.radius);
+    return std::make_shared<const FloorShadow>(
+        lamp, render::box_down(rasterizer.draw(lamp, 1e-3 * stage.radius), lamp.width, lamp.height));
+}
+
 // Returns false where the caller stopped it.
 bool render_images(Session& session, const gpu::Device& device, const stage::GltfScene& scene, int32_t animation,
                    const CaptureProgress& progress) {
@@ -274,14 +293,15 @@ bool render_images(Session& session, const gpu::Device& device, const stage::Glt
     const uint64_t total = uint64_t{settings.frames} * settings.cameras, before = session.workers.finished();
     for (size_t f = 0; f < times.size(); ++f) {
         rasterizer.pose(stage::pose_scene(scene, animation, times[f]));
+        const std::shared_ptr<const FloorShadow> shadow = shadow_of(session, rasterizer);
         for (size_t c = 0; c < session.stage.cameras.size(); ++c) {
             if (progress && !progress(session.workers.finished() - before, total)) return false;
             const render::RasterImage drawn = rasterizer.draw(session.stage.cameras[c], 1e-3 * session.stage.radius);
             session.workers.add(
-                [&session, c, f, drawn, halves = std::vector(drawn.halves.begin(), drawn.halves.end())] {
+                [&session, c, f, shadow, drawn, halves = std::vector(drawn.halves.begin(), drawn.halves.end())] {
                     render::RasterImage image = drawn;
                     image.halves = halves;
-                    write_image(session, c, f, image);
+                    write_image(session, c, f, image, shadow.get());
                 });
         }
     }

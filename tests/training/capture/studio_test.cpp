@@ -16,6 +16,7 @@
 #include "tests/support/input_error.h"
 #include "tests/support/temporary_folder.h"
 #include "training/capture/capture.h"
+#include "training/capture/floor_shadow.h"
 #include "training/data/dataset.h"
 #include "training/data/images.h"
 #include "training/data/layouts/formats.h"
@@ -131,6 +132,32 @@ TEST(Studio, JpegFilesKeepTheImage) {
     };
     EXPECT_LT(worst_at(95), 8);
     EXPECT_GT(worst_at(5), 8);
+}
+
+// Somebody with a square outline stands below the lamp.
+TEST(Studio, TheFloorHasASoftShadow) {
+    const training::Backdrop room{{-2, 0, -2}, {2, 3, 2}, 0.25};
+    stage::Camera camera;
+    camera.fx = camera.fy = 100;
+    camera.cx = camera.cy = 50;
+    camera.width = camera.height = 100;
+    const stage::Camera lamp = training::lamp_above(camera, {0, 0, 0}, 2.5);
+    std::vector<glm::vec4> seen(100 * 100);
+    for (size_t i = 0; i < seen.size(); ++i)
+        if (i % 100 / 20 == 2 && i / 100 / 20 == 2) seen[i].a = 1;  // half a metre along either side of the floor
+    const training::FloorShadow shadow(lamp, seen);
+    EXPECT_NEAR(shadow.light_at({0, 0, 0}), 0.5, 0.01);
+    EXPECT_NEAR(shadow.light_at({0.25, 0, 0}), 0.75, 0.06) << "at the outline";
+    EXPECT_EQ(shadow.light_at({0.9, 0, 0}), 1);
+    EXPECT_EQ(shadow.light_at({9, 0, 0}), 1) << "outside of what the lamp sees";
+    camera.world_from_camera[3] = glm::dvec4(0, 0.3, 1.5, 1);  // looks along the floor at a wall
+    const media::Image plate = training::clean_plate(room, camera);
+    const media::Image dark = training::shaded(plate, room, camera, shadow);
+    EXPECT_EQ(std::vector<uint8_t>(dark.rgba.begin(), dark.rgba.begin() + 50 * 400),
+              std::vector<uint8_t>(plate.rgba.begin(), plate.rgba.begin() + 50 * 400))
+        << "the wall has none";
+    const uint8_t below = plate.at(50, 70)[0], shaded = dark.at(50, 70)[0];  // of the floor's middle
+    EXPECT_NEAR(media::linear_from_srgb_byte(shaded) / media::linear_from_srgb_byte(below), 0.5, 0.03);
 }
 
 struct StudioCapture : testing::Test {
