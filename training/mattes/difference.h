@@ -18,12 +18,17 @@ struct MatteSettings {
     double speck_share = 0.0005;  // islands of up to this share of the image are removed
 };
 
+// How well a background is known. Soft shadows (shadows.h) do not differ from a clean plate, and beside edges the noise
+// is larger. A median may hold traces of the performer: less then belongs to the background.
+enum class BackgroundKind { kPlate, kMedian };
+
 // The pixels that differ. Sizes must be equal (assert); the images' own alpha is ignored.
-PixelMask differing_pixels(const media::Image& image, const media::Image& background, const MatteSettings& settings);
+PixelMask differing_pixels(const media::Image& image, const media::Image& background, BackgroundKind kind,
+                           const MatteSettings& settings);
 
 // The same with soft edges, which the background's colours say (soft_edges.h): one byte per pixel, row by row, 0 is
 // background, 255 performer.
-std::vector<uint8_t> difference_matte(const media::Image& image, const media::Image& background,
+std::vector<uint8_t> difference_matte(const media::Image& image, const media::Image& background, BackgroundKind kind,
                                       const MatteSettings& settings);
 
 }  // namespace neuvv::training

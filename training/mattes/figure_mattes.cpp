@@ -120,7 +120,7 @@ std::vector<uint8_t> FigureMattes::matte_of(const media::Image& image, const Loo
     const WorkingCamera& working = working_[look.camera];
     const media::Image& plate = plates_[look.camera];
     if (plate.rgba.empty()) return soft_edges(image, full_size(working, look.figure), working.factor);
-    PixelMask figure = differing_pixels(image, plate, settings_);
+    PixelMask figure = differing_pixels(image, plate, BackgroundKind::kPlate, settings_);
     const PixelMask possible = full_size(working, look.possible), sure = full_size(working, look.sure);
     for (size_t i = 0; i < figure.size(); ++i) figure.set[i] = (figure[i] && possible[i]) || sure[i];
     return soft_edges(image, figure, plate);

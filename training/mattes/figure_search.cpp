@@ -134,7 +134,8 @@ void for_looks(Moment& moment, const Action& action) {
 
 PixelMask FigureSearch::differences_of(const Look& look) const {
     const FigureCamera& camera = cameras_[look.camera];
-    return both(differing_pixels(look.image, camera.background, fragments_), inverse(camera.unseen));
+    const BackgroundKind kind = camera.is_clean ? BackgroundKind::kPlate : BackgroundKind::kMedian;
+    return both(differing_pixels(look.image, camera.background, kind, fragments_), inverse(camera.unseen));
 }
 
 // Steps 1 to 3.
@@ -202,7 +203,8 @@ void FigureSearch::drop_background(Look& look) const {
     media::Image background = cameras_[look.camera].background;
     for (size_t i = 0; i < known.size(); ++i)
         if (!known[i]) std::copy_n(&look.image.rgba[4 * i], 4, &background.rgba[4 * i]);
-    const PixelMask kept = either(differing_pixels(look.image, background, backgrounds_), inverse(known));
+    const PixelMask differs = differing_pixels(look.image, background, BackgroundKind::kMedian, backgrounds_);
+    const PixelMask kept = either(differs, inverse(known));
     look.figure = both(std::move(look.figure), kept);
     look.hull = both(std::move(look.hull), kept);
 }

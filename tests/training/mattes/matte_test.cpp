@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
+#include "media/jpeg.h"
 #include "support/input_error.h"
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
@@ -84,7 +86,8 @@ TEST(Matte, FindsThePerformerBeforeACleanPlate) {
             const media::Image performer = truth.views[view].image.whole();
             const media::Image plate = seen(media::Image(96, 96), wall(96), sigma, 0, 100);
             const media::Image image = seen(performer, wall(96), sigma, 0, view);
-            const Agreement found = agreement(training::difference_matte(image, plate, {}), performer);
+            const Agreement found =
+                agreement(training::difference_matte(image, plate, training::BackgroundKind::kPlate, {}), performer);
             EXPECT_GT(found.iou, sigma > 2 ? 0.93 : 0.97);
             EXPECT_LT(found.mae, sigma > 2 ? 0.006 : 0.003);
         }
@@ -95,13 +98,61 @@ TEST(Matte, ADriftOfTheExposureIsNoPerformer) {
     const media::Image performer = truth.views[3].image.whole();
     const media::Image image = seen(performer, wall(96), 1, 15, 5),
                        plate = seen(media::Image(96, 96), wall(96), 1, 0, 6);
-    EXPECT_GT(agreement(training::difference_matte(image, plate, {}), performer).iou, 0.95);
+    EXPECT_GT(agreement(training::difference_matte(image, plate, training::BackgroundKind::kPlate, {}), performer).iou,
+              0.95);
+}
+
+// The image with its light multiplied by `light_at` the distance from its middle, in pixels.
+template <typename Light>
+media::Image darkened(media::Image image, const Light& light_at) {
+    for (uint32_t y = 0; y < image.height; ++y)
+        for (uint32_t x = 0; x < image.width; ++x)
+            for (int c = 0; c < 3; ++c) {
+                uint8_t& value = image.at(x, y)[c];
+                const double distance = std::hypot(x - 0.5 * image.width, y - 0.5 * image.height);
+                value = media::srgb_byte_from_linear(static_cast<float>(light_at(distance)) *
+                                                     media::linear_from_srgb_byte(value));
+            }
+    return image;
+}
+
+TEST(Matte, ASoftShadowIsNoPerformerButDarkClothIs) {
+    constexpr uint32_t kSide = 320;
+    const media::Image nobody(kSide, kSide), plate = seen(nobody, wall(kSide), 1, 0, 1);
+    const auto matte_of = [&](const auto& light_at) {
+        return training::difference_matte(seen(nobody, darkened(wall(kSide), light_at), 1, 0, 2), plate,
+                                          training::BackgroundKind::kPlate, {});
+    };
+    const auto soft = [](double distance) { return 1 - 0.5 * std::clamp((120 - distance) / 100, 0.0, 1.0); };
+    const std::vector<uint8_t> shadow = matte_of(soft);
+    EXPECT_EQ(std::accumulate(shadow.begin(), shadow.end(), 0u), 0u);
+    media::Image disc(kSide, kSide);
+    for (uint32_t y = 0; y < kSide; ++y)
+        for (uint32_t x = 0; x < kSide; ++x)
+            disc.at(x, y)[3] = std::hypot(x - 0.5 * kSide, y - 0.5 * kSide) < 70 ? 255 : 0;
+    const auto cloth = [](double distance) { return distance < 70 ? 0.5 : 1.0; };
+    EXPECT_GT(agreement(matte_of(cloth), disc).iou, 0.95);
+}
+
+TEST(Matte, FringesOfCompressionAreNoPerformer) {
+    constexpr uint32_t kSide = 320;
+    const auto recorded = [](const media::Image& image) {
+        const std::vector<uint8_t> bytes = media::encode_jpeg(image, 85);
+        return media::decode_image(bytes.data(), bytes.size(), "it");
+    };
+    SphereCapture capture = kCapture;
+    capture.size = kSide;
+    const media::Image performer = sphere_dataset(capture).views[4].image.whole();
+    const media::Image plate = recorded(seen(media::Image(kSide, kSide), wall(kSide), 1, 0, 1));
+    const media::Image image = recorded(seen(performer, wall(kSide), 1, 0, 2));
+    EXPECT_GT(agreement(training::difference_matte(image, plate, training::BackgroundKind::kPlate, {}), performer).iou,
+              0.95);
 }
 
 TEST(Matte, NothingIsFoundWhereNothingIs) {
     const media::Image a = seen(media::Image(96, 96), wall(96), 2, 0, 1),
                        b = seen(media::Image(96, 96), wall(96), 2, 0, 2);
-    const std::vector<uint8_t> matte = training::difference_matte(a, b, {});
+    const std::vector<uint8_t> matte = training::difference_matte(a, b, training::BackgroundKind::kPlate, {});
     EXPECT_EQ(std::accumulate(matte.begin(), matte.end(), 0u), 0u);
 }
 
@@ -111,7 +162,7 @@ TEST(Matte, EdgesAreSoft) {
         for (uint32_t x = 10; x < 30; ++x)
             std::fill_n(image.at(x, y), 3,
                         static_cast<uint8_t>(x == 10 ? std::lround(255 * media::srgb_from_linear(0.5)) : 255));
-    const std::vector<uint8_t> matte = training::difference_matte(image, plate, {});
+    const std::vector<uint8_t> matte = training::difference_matte(image, plate, training::BackgroundKind::kPlate, {});
     EXPECT_NEAR(matte[20 * 40 + 10], 128, 2);
     EXPECT_EQ(matte[20 * 40 + 11], 255);
     EXPECT_EQ(matte[20 * 40 + 29], 255);
@@ -128,7 +179,7 @@ TEST(Matte, SpecksAreDroppedAndHolesClosed) {
     paint(45, 45, 4, 0);   // a button in the background's colour: 16 of 10,000 pixels
     paint(55, 55, 10, 0);  // a gap between arm and body
     paint(5, 5, 2, 200);   // an insect
-    const std::vector<uint8_t> matte = training::difference_matte(image, plate, {});
+    const std::vector<uint8_t> matte = training::difference_matte(image, plate, training::BackgroundKind::kPlate, {});
     EXPECT_EQ(matte[46 * 100 + 46], 255);
     EXPECT_EQ(matte[60 * 100 + 60], 0);
     EXPECT_EQ(matte[5 * 100 + 5], 0);
