@@ -275,24 +275,6 @@ std::optional<RigFindings> search_rig(const gpu::Device& device, const Dataset& 
     return search(device, callback);
 }
 
-double largest_gain_error(const CameraColours& colours, size_t camera) {
-    const glm::vec3 error = glm::abs(gains(colours.values[camera]) - 1.0f);
-    return double{std::max({error.r, error.g, error.b})};
-}
-
-double exposure_error(const CameraColours& colours, size_t camera) {
-    const size_t frames = colours.frames();
-    if (frames == 0) return 0;
-    const auto first = colours.exposures.values.begin() + static_cast<ptrdiff_t>(camera * frames);
-    return root_mean_square({first, first + static_cast<ptrdiff_t>(frames)});
-}
-
-double missing_at_corners(const CameraColours& colours, size_t camera) {
-    const std::vector<float>& numbers = colours.vignettes.values;
-    if (numbers.empty()) return 0;
-    return 1 - double{vignette_at({numbers[2 * camera], numbers[2 * camera + 1]}, 1)};
-}
-
 bool is_late(const RigFindings& findings, size_t camera) {
     const double late = std::abs(findings.changes.frames_late[camera]), by = findings.late_by[camera];
     return by < kMostDeviation && late > kWorthFrames && late > kDeviations * by;
@@ -300,16 +282,8 @@ bool is_late(const RigFindings& findings, size_t camera) {
 
 Refinement worthwhile(const RigFindings& findings) {
     Refinement what;
-    const CameraColours& colours = findings.colours;
-    std::vector<double> exposures;
-    for (size_t camera = 0; camera < findings.motion_px.size(); ++camera) {
-        what.time |= is_late(findings, camera);
-        if (colours.empty()) continue;
-        what.colour.colour |= largest_gain_error(colours, camera) > kWorthGain;
-        exposures.push_back(exposure_error(colours, camera));
-        what.colour.vignetting |= std::abs(missing_at_corners(colours, camera)) > kWorthVignetting;
-    }
-    what.colour.exposure = !exposures.empty() && root_mean_square(exposures) > kWorthExposure;
+    what.colour = worthwhile(findings.colours);
+    for (size_t camera = 0; camera < findings.motion_px.size(); ++camera) what.time |= is_late(findings, camera);
     // Poses of a draft that ended early, whose leaves are coarse, or that still move are those of the draft, not of the
     // rig: cameras that stand exactly would be moved away.
     const double motion_px = root_mean_square(findings.motion_px);

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "training/run/train.h"
+#include "training/step/colour_findings.h"
 
 namespace neuvv::training {
 
@@ -48,19 +49,14 @@ using RigSearchCallback = std::function<bool(const RigSearchProgress&)>;
 std::optional<RigFindings> search_rig(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings,
                                       bool move_cameras, const RigSearchCallback& callback);
 
-// The smallest findings that are worth correcting. A clean rig gives smaller ones (RESULTS.md).
-constexpr double kWorthPixels = 0.3;      // motion of images by poses in the draft's leaves: root of the mean square
-constexpr double kMostUnsteady = 0.25;    // of that motion: where the last rounds moved images by more, it is not found
-constexpr double kWorthGain = 0.08;       // of any camera's gain from 1
-constexpr double kWorthExposure = 0.03;   // root of the mean square of the logarithms of exposures
-constexpr double kWorthVignetting = 0.2;  // light that any camera misses at its corners, or has too much of
+// The smallest findings that are worth correcting, beside those of colour_findings.h. A clean rig gives smaller ones
+// (RESULTS.md).
+constexpr double kWorthPixels = 0.3;    // motion of images by poses in the draft's leaves: root of the mean square
+constexpr double kMostUnsteady = 0.25;  // of that motion: where the last rounds moved images by more, it is not found
 constexpr double kWorthFrames = kMostOffFrame, kMostDeviation = 0.1;  // of how late any camera is
 constexpr double kDeviations = 4;  // by how many standard deviations it has to be late
 
-// What one camera's findings come to, in words of the constants above.
-double largest_gain_error(const CameraColours& colours, size_t camera);
-double exposure_error(const CameraColours& colours, size_t camera);
-double missing_at_corners(const CameraColours& colours, size_t camera);
+// Whether a camera is late by these constants.
 bool is_late(const RigFindings& findings, size_t camera);
 
 // The corrections that are worth making (`--refine auto`): those that the findings say with more certainty than a clean
