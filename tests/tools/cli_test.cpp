@@ -288,6 +288,7 @@ TEST_F(Cli, OnlyPartsOfTheTrainingCanBeLeftOut) {
 
 TEST_F(Cli, ListsMayHaveSpaces) {
     expect_refused({"train", file("data"), "-o", file("x.nvv"), "--refine", "colour, x"}, 2, {"--refine: x: is"});
+    expect_refused({"train", file("data"), "-o", file("x.nvv"), "--refine", "none,colour"}, 2, {"--refine: none: is"});
     expect_refused({"train", file("data"), "-o", file("x.nvv"), "--leave-out", "merge, x"}, 2, {"no part \"x\""});
 }
 

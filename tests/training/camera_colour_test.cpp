@@ -85,6 +85,40 @@ TEST_F(CameraColourTest, FindsTheGainsOfCameras) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c] / static_cast<float>(gains.size()), 1, 1e-5);
 }
 
+// Gains are learnt on where cameras differ; exposures, which do not, are as they were.
+TEST_F(CameraColourTest, OnlyWhatIsWorthItIsLearntOn) {
+    const TemporaryFolder folder;
+    std::vector<glm::vec3> gains;
+    training::Dataset clean = performer_capture(folder.path), differing = spoilt(clean, gains);
+    training::TrainSettings settings;
+    settings.steps = 200;
+    settings.shape.hh_degree = 1;
+    settings.refine = {.colour = true, .exposure = true};
+    settings.try_colours = true;
+    const auto colours_of = [&](training::Dataset& dataset) {
+        return training::train(device(), dataset, settings, "", to_the_end).colours;
+    };
+    EXPECT_TRUE(colours_of(clean).empty());
+    const training::CameraColours found = colours_of(differing);
+    ASSERT_EQ(found.cameras(), gains.size());
+    EXPECT_FALSE(found.first.empty());
+    EXPECT_LT(mean_gain_error(found.values, gains), 0.035);
+    EXPECT_EQ(found.frames(), 0u);
+}
+
+TEST(CameraColours, KeepsWhatIsNamed) {
+    training::CameraColours colours(2, 3, {.colour = true, .exposure = true, .vignetting = true});
+    colours.values[1].rows[0].r = 1.25f;
+    colours.exposures.values[4] = 0.125f;
+    colours.keep({.exposure = true, .vignetting = true});
+    EXPECT_EQ(training::gains(colours.values[1]), glm::vec3(1));
+    EXPECT_TRUE(colours.first.empty());
+    EXPECT_EQ(colours.exposures.values[4], 0.125f);
+    EXPECT_EQ(colours.vignettes.values.size(), 4u);
+    colours.keep({});
+    EXPECT_TRUE(colours.empty());
+}
+
 TEST_F(CameraColourTest, AResumedRunKeepsItsColours) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv";

@@ -18,6 +18,7 @@ namespace neuvv::tools {
 
 namespace {
 
+constexpr training::ColourRefinement kAllColours{true, true, true};
 constexpr float kEqualGains = 0.02f;  // factors that differ less from 1 are not worth a line
 
 std::string progress_text(const training::RigSearchProgress& now) {
@@ -118,13 +119,17 @@ Refine refine_of(const std::string& text) {
                                                    {"poses", &refine.what.poses},
                                                    {"time", &refine.what.time},
                                                    {"auto", &refine.automatic}};
-    if (text.empty()) return refine;
+    if (text.empty()) {
+        refine.what.colour = {.colour = true, .exposure = true};  // vignettes of long runs fit what is there
+        refine.tries_colours = true;
+    }
+    if (text.empty() || text == "none") return refine;
     for (const std::string& name : split(text, ',')) {
         const auto found = std::ranges::find(known, name, [](const auto& one) { return one.first; });
         if (found == std::end(known))
-            throw InputError(
-                "--refine", name, "is nothing that training can refine",
-                "write auto, or one or more of colour, exposure, vignetting, poses, time, with commas between them");
+            throw InputError("--refine", name, "is nothing that training can refine",
+                             "write auto, none, or one or more of colour, exposure, vignetting, poses, time, with "
+                             "commas between them");
         *found->second = true;
     }
     if (refine.automatic && text != "auto")
@@ -158,8 +163,7 @@ std::optional<training::RigFindings> search_rig(const gpu::Device& device, const
 bool correct_rig(const gpu::Device& device, const training::Dataset& dataset, const Refine& refine,
                  training::TrainSettings& settings) {
     const double began = seconds_now();
-    constexpr training::ColourRefinement kAll{true, true, true};
-    const auto found = search_rig(device, dataset, settings, refine.automatic ? kAll : refine.what.colour,
+    const auto found = search_rig(device, dataset, settings, refine.automatic ? kAllColours : refine.what.colour,
                                   refine.automatic || refine.what.poses);
     if (!found && stop_requested()) return false;
     training::Refinement what = refine.what;

@@ -13,12 +13,13 @@ namespace neuvv::tools {
 // What of the cameras is learnt.
 struct Refine {
     training::Refinement what;
-    bool automatic = false;  // what is worth it by the findings of the search
+    bool automatic = false;      // what is worth it by the findings of the search
+    bool tries_colours = false;  // TrainSettings::try_colours
 
     bool needs_search() const { return automatic || what.poses || what.time; }
 };
 
-// Reads names after commas: "colour,poses", "auto". Throws InputError for others.
+// Reads names after commas: "colour,poses", "auto", "none"; empty: colours are tried. Throws InputError for others.
 Refine refine_of(const std::string& text);
 
 // Searches with a status line; looks at colours as `colour` says, and at poses where cameras may move. Ctrl-C ends the

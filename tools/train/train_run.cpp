@@ -224,8 +224,11 @@ std::optional<training::RigCorrection> find_correction(const gpu::Device& device
 bool train_rig(const gpu::Device& device, const TrainOptions& options, const training::Rig& clip, const RunView& view) {
     const training::Rig rig = options.frames ? options.frames->of(clip) : clip;
     training::TrainSettings settings = options.settings;
-    const Refine refine = refine_of(options.refine);
+    Refine refine = refine_of(options.refine);
+    if (refine.tries_colours && (options.frames || options.surroundings || settings.team.size > 1))
+        refine = refine_of("none");  // segments would choose differently, and a team learns no colours
     settings.refine = refine.what.colour;
+    settings.try_colours = refine.tries_colours;
     if (options.correction) {
         const training::ColourRefinement& found = options.correction->colour;
         settings.refine.colour |= found.colour;
@@ -271,6 +274,8 @@ bool train_rig(const gpu::Device& device, const TrainOptions& options, const tra
     if (!settings.team.is_first()) return complete;
     tell_if_possible("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
                      last.step, last.epochs, format_duration(last.elapsed_s));
+    if (settings.try_colours && !last.colours.empty())
+        tell_if_possible("cameras show colours differently, which was corrected (--refine none leaves it)\n");
     print_corrections(last, rig.cameras);
     if (settings.resume && last.step == last.began_at_step)
         tell_if_possible("the run had spent its budget; more --minutes or --steps go on from there\n");

@@ -28,6 +28,7 @@ struct RunState {
     uint32_t max_leaves = 0;                  // the run's bounds; 0: none
     uint64_t max_bytes = 0;
     bool adaptive = true;
+    bool colours_are_tried = false;  // TrainSettings::try_colours, until the run has chosen
     OptionalParts left_out = 0;
     double elapsed_s = 0;
     double other_s = 0;  // of elapsed_s: what was no step, but checkpoints, changes of the tree and reports

@@ -19,6 +19,7 @@
 #include "training/run/step_sums.h"
 #include "training/run/trained_tree.h"
 #include "training/step/batch.h"
+#include "training/step/colour_findings.h"
 #include "training/tree/bases.h"
 
 namespace neuvv::training {
@@ -128,6 +129,7 @@ void Run::begin_new() {
     run_.weights = settings_.weights;
     run_.program = settings_.program;
     colours_ = CameraColours(dataset_.cameras.size(), dataset_.times.size(), settings_.refine);
+    run_.colours_are_tried = settings_.try_colours;
     correct_rig(settings_.rig);
     trained_.tree = first_tree();
     if (run_.max_leaves > 0 && trained_.tree.leaf_count > run_.max_leaves)
@@ -204,6 +206,10 @@ void Run::begin_phase_if_due() {
     if (!covered && !coarse) return;  // the change waits until enough rays were traced
     if (run_.max_bytes > 0) save();   // max_leaves() needs to know how well this tree packs
     ++run_.phase;
+    if (run_.colours_are_tried && run_.phase >= kChoosesColoursIn) {
+        colours_.keep(worthwhile(colours_));
+        run_.colours_are_tried = false;
+    }
     if (!coarse && !run_.adaptive) return;
     checkpoints_.wait();  // what is written takes memory, and so does a change of the tree
     const TraceSpan span("change the tree", run_.phase);

@@ -38,6 +38,8 @@ struct TrainSettings {
     uint32_t tiles_per_step = 512;  // of each member of the team
     LossWeights weights = kDefaultLossWeights;
     ColourRefinement refine;  // what is learnt of how cameras show colours; a resumed run does what it did
+    // Whether from kChoosesColoursIn on, only that of `refine` is learnt which is worth it (colour_findings.h).
+    bool try_colours = false;
     // Corrections of the rig that search_rig() found, kept in checkpoint files; a resumed run has its own.
     RigChanges rig;
     std::string program = "NeuVV";  // RunState::program

@@ -151,6 +151,18 @@ CameraColours::CameraColours(size_t cameras, size_t frames, ColourRefinement wha
       exposures(what.exposure ? cameras * frames : 0),
       vignettes(what.vignetting ? 2 * cameras : 0) {}
 
+void CameraColours::keep(ColourRefinement what) {
+    CameraColours kept(cameras(), frames(), what);
+    if (what.colour) {
+        kept.values = values;
+        kept.first = first;
+        kept.second = second;
+    }
+    if (what.exposure) kept.exposures = exposures;
+    if (what.vignetting) kept.vignettes = vignettes;
+    *this = kept;
+}
+
 CameraColour CameraColours::of_tile(const Batch& batch, size_t tile, const stage::Camera& camera) const {
     const uint32_t index = batch.tiles[tile].camera;
     float scale = 1;

@@ -66,6 +66,9 @@ struct CameraColours {
     void learn(const Batch& batch, const std::vector<stage::Camera>& all_cameras, const CameraColour* tile_gradients,
                float rate, uint64_t step);
 
+    // What is not in `what` becomes neutral, and is not learnt any more.
+    void keep(ColourRefinement what);
+
     std::vector<CameraColour> values;         // by camera
     std::vector<CameraColour> first, second;  // empty where colours are not learnt
     LearntNumbers exposures;                  // logarithms, by camera and then frame; empty where not learnt

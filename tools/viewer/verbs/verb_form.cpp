@@ -41,8 +41,8 @@ const std::vector<VerbForm>& table() {
            "refine",
            "--refine",
            "",
-           {"", "auto", "colour", "exposure", "poses"},
-           "What else is learnt, of the cameras"},
+           {"", "none", "auto", "colour", "exposure", "poses"},
+           "What else is learnt, of the cameras; empty: colours, where they differ"},
           {Kind::kText, "segments", "--segment", "", {}, "Frames in a tree, or auto; empty: one tree for all"}},
          "The clip is read again with each checkpoint, so that it can be watched while it is trained. Stop keeps what "
          "is there."},
