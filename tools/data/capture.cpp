@@ -28,10 +28,11 @@ animation shows its rest pose. There are no lights: unlit materials show their b
 --background checker  the image as a camera in a checkered room sees it, alpha the matte, plus DIR/plates/cNN.png
 
 --studio SEED simulates the cameras of a real studio in that room, and the mistakes of its people, to try how training
-copes. Each camera has sensor noise, channel gains of 0.7 to 1.4, vignetting, and JPEG of quality 85; mattes are in
-DIR/mattes. A lamp above casts the performer's soft shadow on the floor. The recordings of two cameras are exchanged, two cameras have a wrong plate or none, and 1 % of the mattes
-lack a part or show too much. DIR/studio.json says what was done. Held-out cameras stay as with --background checker, so
-that `neuvv eval` measures against the truth.
+copes. A lamp above casts the performer's soft shadow on the floor. Each camera has sensor noise, channel gains of 0.7
+to 1.4, vignetting, and JPEG of quality 85; mattes are in DIR/mattes. The recordings of two cameras are exchanged, two
+cameras have a wrong plate or none, and 1 % of the mattes lack a part or show too much. DIR/studio.json says what was
+done to each camera. Held-out cameras stay as with --background checker, so that `neuvv eval` measures against the
+truth.
 
 --videos, with one of the two, leaves what recorders leave: DIR/videos/cNN.mp4 in place of images, and no mattes.
 `neuvv matte` then makes them, of held-out cameras, too.

@@ -1,4 +1,4 @@
-// The performer's shadow on the floor of a simulated studio, under a broad lamp at its ceiling: it has the floor's hue
+// The performer's shadow on the floor of a simulated studio, under a broad lamp above: it has the floor's hue
 // and no hard edge, and moves with the performer, so that no plate shows it.
 #pragma once
 
@@ -25,7 +25,7 @@ class FloorShadow {
     std::vector<float> dark_;  // of the lamp's pixels, 0..1
 };
 
-// The place above the performer from which a camera of a dome that looks at `centre` becomes the lamp (metres).
+// A camera with the lens of `camera` that looks down at `centre` from this distance above it (metres): the lamp.
 stage::Camera lamp_above(const stage::Camera& camera, const glm::dvec3& centre, double distance);
 
 // A clean plate with the shadow on its floor.

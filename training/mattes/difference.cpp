@@ -23,6 +23,11 @@ constexpr double kMinSigma = 1;         // steps of 255: rounding to 8 bits, and
 constexpr int kEdgeReach = 8;
 constexpr float kEdgeError = 0.01f;
 
+// Pixels that differ by less show the background.
+float low_threshold(const MatteSettings& settings) {
+    return static_cast<float>(settings.threshold * settings.low_share);
+}
+
 // The value of rank `rank` in a histogram that begins at `first`.
 int value_of_rank(const std::vector<uint64_t>& histogram, int first, uint64_t rank) {
     uint64_t below = 0;
@@ -89,24 +94,34 @@ float largest(const std::array<float, 3>& differences) {
     return std::max({std::abs(differences[0]), std::abs(differences[1]), std::abs(differences[2])});
 }
 
-// By pixel, the largest difference of a channel, in these units; where a shadow falls on the background, that of hue.
+// How the pixels compare with a plate's.
+std::vector<Shade> shades_of(const media::Image& image, const media::Image& plate, const NoiseOfChannels& noise,
+                             const std::vector<float>& contrast) {
+    std::vector<Shade> shades(contrast.size());
+    for (size_t i = 0; i < shades.size(); ++i) {
+        const auto [seen, behind] = colours_at(image, plate, noise, i);
+        shades[i].light = glm::dot(seen, behind) / std::max(glm::dot(behind, behind), 1.0f);
+        shades[i].hue = in_noise(seen - shades[i].light * behind, noise, contrast[i]);
+    }
+    return shades;
+}
+
+// By pixel, the largest difference of a channel, in these units; where a shadow falls on a plate, that of hue.
 std::vector<float> differences_in_noise(const media::Image& image, const media::Image& background, BackgroundKind kind,
-                                        float low) {
+                                        const MatteSettings& settings) {
     NoiseOfChannels noise;
     for (size_t c = 0; c < 3; ++c) noise[c] = noise_of_channel(image, background, c);
     std::vector<float> result(image.rgba.size() / 4);
     const bool is_plate = kind == BackgroundKind::kPlate;
     const std::vector<float> contrast = is_plate ? contrast_near(image) : std::vector<float>(result.size());
-    std::vector<Shade> shades(result.size());
     PixelMask same(image.width, image.height);
     for (size_t i = 0; i < result.size(); ++i) {
         const auto [seen, behind] = colours_at(image, background, noise, i);
         result[i] = largest(in_noise(seen - behind, noise, contrast[i]));
-        same.set[i] = result[i] <= low;
-        shades[i].light = glm::dot(seen, behind) / std::max(glm::dot(behind, behind), 1.0f);
-        shades[i].hue = in_noise(seen - shades[i].light * behind, noise, contrast[i]);
+        same.set[i] = result[i] <= low_threshold(settings);
     }
     if (!is_plate) return result;
+    const std::vector<Shade> shades = shades_of(image, background, noise, contrast);
     const PixelMask shadows = soft_shadows(same, shades);
     for (size_t i = 0; i < result.size(); ++i)
         if (shadows[i]) result[i] = largest(shades[i].hue);
@@ -139,9 +154,9 @@ PixelMask hysteresis(const std::vector<float>& differences, uint32_t width, uint
 PixelMask differing_pixels(const media::Image& image, const media::Image& background, BackgroundKind kind,
                            const MatteSettings& settings) {
     assert(image.width == background.width && image.height == background.height && "images have one size");
-    const auto high = static_cast<float>(settings.threshold), low = high * static_cast<float>(settings.low_share);
-    const std::vector<float> differences = differences_in_noise(image, background, kind, low);
-    const PixelMask mask = hysteresis(differences, image.width, image.height, low, high);
+    const std::vector<float> differences = differences_in_noise(image, background, kind, settings);
+    const PixelMask mask = hysteresis(differences, image.width, image.height, low_threshold(settings),
+                                      static_cast<float>(settings.threshold));
     const auto pixels = static_cast<double>(mask.size());
     const PixelMask filled = inverse(without_specks(inverse(mask), static_cast<size_t>(settings.hole_share * pixels)));
     return without_specks(filled, static_cast<size_t>(settings.speck_share * pixels));

@@ -18,9 +18,13 @@ struct MatteSettings {
     double speck_share = 0.0005;  // islands of up to this share of the image are removed
 };
 
-// How well a background is known. Soft shadows (shadows.h) do not differ from a clean plate, and beside edges the noise
-// is larger. A median may hold traces of the performer: less then belongs to the background.
+// Where a background comes from. Soft shadows (shadows.h) do not differ from a clean plate, and beside edges more noise
+// is expected. In the median of images the performer may have left traces, from which grey cloth would be a soft
+// shadow: there, what differs by more than noise differs.
 enum class BackgroundKind { kPlate, kMedian };
+inline BackgroundKind kind_of_background(bool is_clean) {
+    return is_clean ? BackgroundKind::kPlate : BackgroundKind::kMedian;
+}
 
 // The pixels that differ. Sizes must be equal (assert); the images' own alpha is ignored.
 PixelMask differing_pixels(const media::Image& image, const media::Image& background, BackgroundKind kind,

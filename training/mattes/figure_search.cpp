@@ -134,7 +134,7 @@ void for_looks(Moment& moment, const Action& action) {
 
 PixelMask FigureSearch::differences_of(const Look& look) const {
     const FigureCamera& camera = cameras_[look.camera];
-    const BackgroundKind kind = camera.is_clean ? BackgroundKind::kPlate : BackgroundKind::kMedian;
+    const BackgroundKind kind = kind_of_background(camera.is_clean);
     return both(differing_pixels(look.image, camera.background, kind, fragments_), inverse(camera.unseen));
 }
 

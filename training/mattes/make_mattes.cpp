@@ -89,9 +89,7 @@ void add_differences(const MatteJob& job, const std::vector<CameraShots>& camera
             return media::Image();
         };
         const auto difference = [&](const media::Image& image, const media::Image&) {
-            return difference_matte(image, background,
-                                    backgrounds[c].is_clean ? BackgroundKind::kPlate : BackgroundKind::kMedian,
-                                    job.settings);
+            return difference_matte(image, background, kind_of_background(backgrounds[c].is_clean), job.settings);
         };
         if (!add_mattes(cameras[c], total, files, progress, none, difference)) return;
     }

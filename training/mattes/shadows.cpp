@@ -11,7 +11,9 @@ namespace {
 
 constexpr float kDarkestShadow = 0.6f;  // of Shade::light: about a third of the light
 constexpr float kMostHue = 1;           // of the mean around a pixel, in units of noise
-// In images of so many pixels along the longer side; both scale with it.
+constexpr double kSmallPart = 0.02;     // of the image
+// The lengths below are for images of so many pixels along the longer side. In larger ones more pixels are averaged,
+// and steps from pixel to pixel are smaller.
 constexpr double kSideOfLengths = 640;
 constexpr double kAround = 2;    // pixels beside and above, over which light and hue are averaged
 constexpr double kStep = 0.008;  // of the mean light from one pixel to the next
@@ -19,6 +21,7 @@ constexpr double kStep = 0.008;  // of the mean light from one pixel to the next
 }  // namespace
 
 PixelMask soft_shadows(const PixelMask& background, const std::vector<Shade>& shades) {
+    static_assert(sizeof(Shade) == 4 * sizeof(float), "four channels of an image");
     assert(shades.size() == background.size() && "a shade of each pixel");
     const cv::Mat given(static_cast<int>(background.height), static_cast<int>(background.width), CV_32FC4,
                         const_cast<Shade*>(shades.data()));
@@ -28,7 +31,8 @@ PixelMask soft_shadows(const PixelMask& background, const std::vector<Shade>& sh
     cv::Mat mean;
     cv::blur(given, mean, {side, side});
     const auto* around = mean.ptr<Shade>();
-    PixelMask reached = background;
+    PixelMask reached =
+        without_specks(background, static_cast<size_t>(kSmallPart * static_cast<double>(background.size())));
     std::vector<size_t> open;
     for (size_t i = 0; i < reached.size(); ++i)
         if (reached[i]) open.push_back(i);

@@ -48,8 +48,8 @@ Dataset look_of(const std::vector<CameraShots>& cameras, const std::vector<Camer
             // Where mattes are made, that is an error.
             if (read.width != background.width || read.height != background.height) continue;
             media::Image image = working_image(camera, read);
-            const PixelMask figure =
-                differing_pixels(image, working_image(camera, background), BackgroundKind::kMedian, settings);
+            const BackgroundKind kind = kind_of_background(backgrounds[view.camera].is_clean);
+            const PixelMask figure = differing_pixels(image, working_image(camera, background), kind, settings);
             const PixelMask unseen = unseen_pixels(camera);
             for (size_t k = 0; k < figure.size(); ++k) image.rgba[4 * k + 3] = figure[k] && !unseen[k] ? 255 : 0;
             view.ignored.assign(unseen.set.begin(), unseen.set.end());

@@ -132,6 +132,9 @@ TEST(Matte, ASoftShadowIsNoPerformerButDarkClothIs) {
             disc.at(x, y)[3] = std::hypot(x - 0.5 * kSide, y - 0.5 * kSide) < 70 ? 255 : 0;
     const auto cloth = [](double distance) { return distance < 70 ? 0.5 : 1.0; };
     EXPECT_GT(agreement(matte_of(cloth), disc).iou, 0.95);
+    // Cloth of the wall's hue, shaded softly from its middle, which is as light as the wall.
+    const auto round = [](double distance) { return distance < 70 ? 1 - 0.75 * (distance / 70) : 1.0; };
+    EXPECT_GT(agreement(matte_of(round), disc).iou, 0.9);
 }
 
 TEST(Matte, FringesOfCompressionAreNoPerformer) {
