@@ -10,7 +10,9 @@
 #include "support/performer_capture.h"
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
+#include "training/run/checkpoint.h"
 #include "training/run/train.h"
+#include "training/step/colour_findings.h"
 
 namespace neuvv::test {
 namespace {
@@ -104,6 +106,43 @@ TEST_F(CameraColourTest, OnlyWhatIsWorthItIsLearntOn) {
     EXPECT_FALSE(found.first.empty());
     EXPECT_LT(mean_gain_error(found.values, gains), 0.035);
     EXPECT_EQ(found.frames(), 0u);
+}
+
+// One of 14 cameras is 15 % brighter in its one image: half of that lies in its exposure, half in its gains.
+TEST(CameraColours, WhatExposuresHaveInCommonIsAGain) {
+    training::CameraColours colours(14, 1, {.colour = true, .exposure = true});
+    for (float& second : colours.exposures.second) second = 1;
+    for (glm::vec4& row : colours.values[3].rows) row *= std::sqrt(1.15f);
+    colours.exposures.values[3] = 0.5f * std::log(1.15f);
+    EXPECT_FALSE(training::worthwhile(colours).any());
+    colours.join_exposures();
+    EXPECT_NEAR(training::gains(colours.values[3]).g, 1.15f - 0.15f / 14, 1e-5f);
+    EXPECT_EQ(colours.exposures.values[3], 0);
+    EXPECT_TRUE(training::worthwhile(colours).colour);
+    EXPECT_FALSE(training::worthwhile(colours).exposure);
+}
+
+// A run that is stopped before it chose goes on trying, and then chooses as one that was not.
+TEST_F(CameraColourTest, AResumedRunChoosesLater) {
+    const TemporaryFolder folder;
+    const std::filesystem::path nvv = folder.path / "sphere.nvv";
+    training::Dataset dataset = sphere_dataset({});
+    training::TrainSettings settings;
+    settings.steps = 40;
+    settings.shape = {.resolution = 40, .bases = 3, .hh_degree = 1};
+    settings.tiles_per_step = 128;
+    settings.refine = {.colour = true, .exposure = true};
+    settings.try_colours = true;
+    settings.between_steps = [](const training::BetweenSteps& now) { return now.fraction < 0.1; };
+    const training::TrainProgress first = training::train(device(), dataset, settings, nvv, to_the_end);
+    EXPECT_EQ(first.colour_choice, training::ColourChoice::kOpen);
+    EXPECT_EQ(training::load_checkpoint(nvv).colours.cameras(), dataset.cameras.size());
+    settings.between_steps = {};
+    settings.resume = true;
+    settings.try_colours = false;  // the run does what it did
+    const training::TrainProgress last = training::train(device(), dataset, settings, nvv, to_the_end);
+    EXPECT_EQ(last.colour_choice, training::ColourChoice::kChosen);
+    EXPECT_TRUE(last.colours.empty());
 }
 
 TEST(CameraColours, KeepsWhatIsNamed) {

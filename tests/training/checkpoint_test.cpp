@@ -45,7 +45,7 @@ training::RunState some_run() {
             .max_leaves = 123456,
             .max_bytes = 60000000,
             .adaptive = false,
-            .colours_are_tried = true,
+            .colour_choice = training::ColourChoice::kOpen,
             .left_out = 5,
             .elapsed_s = 12.5,
             .other_s = 3.25,
@@ -118,7 +118,7 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.max_leaves, run.max_leaves);
     EXPECT_EQ(loaded.run.max_bytes, run.max_bytes);
     EXPECT_EQ(loaded.run.adaptive, run.adaptive);
-    EXPECT_EQ(loaded.run.colours_are_tried, run.colours_are_tried);
+    EXPECT_EQ(loaded.run.colour_choice, run.colour_choice);
     EXPECT_EQ(loaded.run.resolution_is_natural, run.resolution_is_natural);
     EXPECT_EQ(loaded.run.left_out, run.left_out);
     EXPECT_EQ(loaded.run.elapsed_s, run.elapsed_s);

@@ -120,7 +120,7 @@ Refine refine_of(const std::string& text) {
                                                    {"time", &refine.what.time},
                                                    {"auto", &refine.automatic}};
     if (text.empty()) {
-        refine.what.colour = {.colour = true, .exposure = true};  // vignettes of long runs fit what is there
+        refine.what.colour = {.colour = true, .exposure = true};  // clean rigs seem to have vignettes of up to 29 %
         refine.tries_colours = true;
     }
     if (text.empty() || text == "none") return refine;

@@ -16,6 +16,8 @@ struct Refine {
     bool automatic = false;      // what is worth it by the findings of the search
     bool tries_colours = false;  // TrainSettings::try_colours
 
+    // Whether the user asked for anything.
+    bool is_asked() const { return needs_search() || (what.colour.any() && !tries_colours); }
     bool needs_search() const { return automatic || what.poses || what.time; }
 };
 

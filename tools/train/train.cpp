@@ -85,7 +85,7 @@ void expect_compatible(const TrainOptions& options, const Ranks& ranks) {
         throw InputError("--plan", "", "is for whole clips", "leave out --from and --to");
     if (!is_in_segments(options)) {
         if (options.plan) throw InputError("--plan", "", "is for clips in segments", "give --segment, or leave it out");
-        if (ranks.count > 1 && (!options.refine.empty() || options.init != "hull"))
+        if (ranks.count > 1 && (refine.is_asked() || options.init != "hull"))
             throw InputError("--refine, --init", "", "are not for several processes that train one tree",
                              "leave them out, or start one process");
         return;
@@ -434,7 +434,7 @@ void add_train(Command app, CommonOptions& common) {
         "of poses and focal lengths; time: cameras that are late, not together with poses; auto, alone: those of "
         "these that are worth it; none, alone. poses, time and auto begin with a search, of a fifth of --minutes or "
         "--steps at most (default: colour and exposure, where the first part of the run shows that cameras differ; "
-        "none in segments and with several processes)");
+        "none in segments, with several processes, and of what --background learns)");
     const Option plan = add_segment_options(verb, *options);
     add_run_options(verb, *options, plan);
     verb.footer(

@@ -221,12 +221,22 @@ std::optional<training::RigCorrection> find_correction(const gpu::Device& device
     return correction;
 }
 
+namespace {
+
+// Colours are not tried where segments would choose differently, of surroundings, whose images are few, nor in a team,
+// which learns none.
+Refine refine_of_run(const TrainOptions& options) {
+    const Refine refine = refine_of(options.refine);
+    const bool may_try = !options.frames && !options.surroundings && options.settings.team.size == 1;
+    return refine.tries_colours && !may_try ? Refine{} : refine;
+}
+
+}  // namespace
+
 bool train_rig(const gpu::Device& device, const TrainOptions& options, const training::Rig& clip, const RunView& view) {
     const training::Rig rig = options.frames ? options.frames->of(clip) : clip;
     training::TrainSettings settings = options.settings;
-    Refine refine = refine_of(options.refine);
-    if (refine.tries_colours && (options.frames || options.surroundings || settings.team.size > 1))
-        refine = refine_of("none");  // segments would choose differently, and a team learns no colours
+    const Refine refine = refine_of_run(options);
     settings.refine = refine.what.colour;
     settings.try_colours = refine.tries_colours;
     if (options.correction) {
@@ -274,7 +284,7 @@ bool train_rig(const gpu::Device& device, const TrainOptions& options, const tra
     if (!settings.team.is_first()) return complete;
     tell_if_possible("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
                      last.step, last.epochs, format_duration(last.elapsed_s));
-    if (settings.try_colours && !last.colours.empty())
+    if (last.colour_choice == training::ColourChoice::kChosen && !last.colours.empty())
         tell_if_possible("cameras show colours differently, which was corrected (--refine none leaves it)\n");
     print_corrections(last, rig.cameras);
     if (settings.resume && last.step == last.began_at_step)

@@ -208,7 +208,7 @@ voctree::NvvChunk run_chunk(const RunState& run) {
                            {"max_leaves", run.max_leaves},
                            {"max_bytes", run.max_bytes},
                            {"adaptive", run.adaptive},
-                           {"colours_are_tried", run.colours_are_tried},
+                           {"colour_choice", static_cast<uint32_t>(run.colour_choice)},
                            {"leaves_along_image", run.leaves_along_image},
                            {"leaf_pixels", run.leaf_pixels},
                            {"natural", run.resolution_is_natural},
@@ -250,7 +250,10 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         read_count(json, "max_leaves", run.max_leaves);
         read_count(json, "max_bytes", run.max_bytes);
         json.at("adaptive").get_to(run.adaptive);
-        run.colours_are_tried = json.value("colours_are_tried", false);
+        uint32_t choice = 0;
+        if (json.contains("colour_choice"))
+            read_count(json, "colour_choice", choice, static_cast<uint32_t>(ColourChoice::kChosen));
+        run.colour_choice = static_cast<ColourChoice>(choice);
         if (json.contains("leaves_along_image")) read_count(json, "leaves_along_image", run.leaves_along_image);
         run.leaf_pixels = json.value("leaf_pixels", 0.0);
         run.resolution_is_natural = json.value("natural", false);

@@ -11,6 +11,13 @@
 
 namespace neuvv::training {
 
+// Who says what a run learns of cameras' colours.
+enum class ColourChoice : uint32_t {
+    kGiven,   // its settings
+    kOpen,    // all of its settings are tried, until the run chooses
+    kChosen,  // the run chose what is worth it
+};
+
 // How far a run has come and with which settings it began: everything but the tree and Adam's moments.
 struct RunState {
     uint64_t seed = 1;
@@ -28,7 +35,7 @@ struct RunState {
     uint32_t max_leaves = 0;                  // the run's bounds; 0: none
     uint64_t max_bytes = 0;
     bool adaptive = true;
-    bool colours_are_tried = false;  // TrainSettings::try_colours, until the run has chosen
+    ColourChoice colour_choice = ColourChoice::kGiven;
     OptionalParts left_out = 0;
     double elapsed_s = 0;
     double other_s = 0;  // of elapsed_s: what was no step, but checkpoints, changes of the tree and reports

@@ -263,6 +263,7 @@ std::optional<RigFindings> RigSearch::operator()(const gpu::Device& device, cons
     });
     if (progress_.rounds == 0) return std::nullopt;
     found_.whole = progress_.rounds == kRounds;
+    found_.colours.join_exposures();
     conclude_times();
     return found_;
 }

@@ -112,9 +112,9 @@ float smoothness_factor(double squared_error);
 // The share of one step in the running mean of that error.
 constexpr double kErrorShare = 0.02;
 
-// The phase in which a run that tries what cameras' colours need chooses what it goes on to learn: leaves are as large
-// as pixels, and colours have settled.
-constexpr uint32_t kChoosesColoursIn = 3;
+// The progress at which a run that tries what cameras' colours need chooses what it goes on to learn: leaves are as
+// large as pixels by then, and colours have settled.
+constexpr double kChoosesColoursAt = 0.15;
 
 // How many steps in a row are at the same time; all but the first of them need not slice. Where frames share bases,
 // each step also changes what other frames show, and four steps in a row make those worse: 29.3 → 24.7 dB.

@@ -57,6 +57,7 @@ class Run {
     Batch next_batch(uint64_t step);
     uint32_t fit_to_max_bytes();
     void correct_rig(const RigChanges& changes);
+    void choose_colours_if_due();
     void make_step() { training::make_step(device_, trained_, dataset_.cameras.size(), run_.tiles_per_step, team()); }
     void begin_phase_if_due();
     // What is known of the change after the phase that ends, but for the bound on leaves.
@@ -110,6 +111,11 @@ void Run::go_on_from_checkpoint() {
                              "resume with the data set that the run began with");
     run_ = checkpoint.run;
     colours_ = checkpoint.colours;
+    // Members of a team learn no colours. What was only tried so far is dropped.
+    if (!team().is_alone() && run_.colour_choice == ColourChoice::kOpen) {
+        colours_ = {};
+        run_.colour_choice = ColourChoice::kChosen;
+    }
     correct_rig(checkpoint.rig);
     trained_.tree = std::move(checkpoint.tree);
     make_step();
@@ -129,7 +135,7 @@ void Run::begin_new() {
     run_.weights = settings_.weights;
     run_.program = settings_.program;
     colours_ = CameraColours(dataset_.cameras.size(), dataset_.times.size(), settings_.refine);
-    run_.colours_are_tried = settings_.try_colours;
+    run_.colour_choice = settings_.try_colours ? ColourChoice::kOpen : ColourChoice::kGiven;
     correct_rig(settings_.rig);
     trained_.tree = first_tree();
     if (run_.max_leaves > 0 && trained_.tree.leaf_count > run_.max_leaves)
@@ -199,6 +205,13 @@ void Run::correct_rig(const RigChanges& changes) {
     apply(changes, dataset_);
 }
 
+void Run::choose_colours_if_due() {
+    if (run_.colour_choice != ColourChoice::kOpen || fraction() < kChoosesColoursAt) return;
+    colours_.join_exposures();
+    colours_.keep(worthwhile(colours_));
+    run_.colour_choice = ColourChoice::kChosen;
+}
+
 void Run::begin_phase_if_due() {
     if (run_.phase + 1 >= kPhaseCount || fraction() < phases_of(run_.leaf_pixels)[run_.phase + 1].begins) return;
     TreeChange change = change_after_phase();
@@ -206,10 +219,6 @@ void Run::begin_phase_if_due() {
     if (!covered && !coarse) return;  // the change waits until enough rays were traced
     if (run_.max_bytes > 0) save();   // max_leaves() needs to know how well this tree packs
     ++run_.phase;
-    if (run_.colours_are_tried && run_.phase >= kChoosesColoursIn) {
-        colours_.keep(worthwhile(colours_));
-        run_.colours_are_tried = false;
-    }
     if (!coarse && !run_.adaptive) return;
     checkpoints_.wait();  // what is written takes memory, and so does a change of the tree
     const TraceSpan span("change the tree", run_.phase);
@@ -237,7 +246,8 @@ void Run::expect_alike() const {
     if (team().is_alone()) return;
     assert(!settings_.between_steps && "a team has no hook that could end the run of one member alone");
     if (!colours_.empty() || !rig_.empty())
-        throw InputError(state_path(output_).string(), "", "is of a run that refines cameras",
+        throw InputError(state_path(output_).string(), "",
+                         "is of a run that corrects cameras, as runs do by default where their colours differ",
                          "go on with it in one process, without mpirun");
     struct Word {
         uint64_t data, step, leaves;
@@ -336,6 +346,7 @@ TrainProgress Run::progress() const {
     now.epochs = epochs_done();
     now.passes = trained_.step->pass_times();
     now.colours = colours_;
+    now.colour_choice = run_.colour_choice;
     now.poses = poses_;
     now.frames_late = rig_.frames_late;
     now.field = &trained_.step->field();
@@ -353,6 +364,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     Batch batch = next_batch(run_.step + 1);
     sums_.begin();
     while (go_on && fraction() < 1) {
+        choose_colours_if_due();
         clock_.aside([&] { begin_phase_if_due(); });
         clock_.aside([&] { go_on = may_go_on(); });
         if (!go_on) break;
@@ -388,6 +400,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         }
         go_on = clock_.agree(go_on);
     }
+    choose_colours_if_due();            // a run of few steps
     const double reached = fraction();  // the last checkpoint does not finish a run that was stopped before its end
     uint32_t written_leaves = 0;
     clock_.aside([&] {

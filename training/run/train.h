@@ -38,7 +38,8 @@ struct TrainSettings {
     uint32_t tiles_per_step = 512;  // of each member of the team
     LossWeights weights = kDefaultLossWeights;
     ColourRefinement refine;  // what is learnt of how cameras show colours; a resumed run does what it did
-    // Whether from kChoosesColoursIn on, only that of `refine` is learnt which is worth it (colour_findings.h).
+    // Whether `refine` is only tried at first: from kChoosesColoursAt on, the run learns what of it is worth it
+    // (colour_findings.h).
     bool try_colours = false;
     // Corrections of the rig that search_rig() found, kept in checkpoint files; a resumed run has its own.
     RigChanges rig;
@@ -78,8 +79,9 @@ struct TrainProgress {
     uint64_t began_at_step = 0;  // 0, or the step from which the run went on
     uint32_t leaves = 0, depth = 0;
     double epochs = 0;
-    std::vector<gpu::PassTime> passes;     // of the last step
-    CameraColours colours;                 // empty where they are not refined
+    std::vector<gpu::PassTime> passes;  // of the last step
+    CameraColours colours;              // empty where they are not refined
+    ColourChoice colour_choice = ColourChoice::kGiven;
     std::vector<RefinedPose> poses;        // by camera, where they were refined
     std::vector<double> frames_late;       // the same
     const render::Field* field = nullptr;  // the current model; the callback may use it until it returns

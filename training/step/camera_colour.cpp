@@ -151,6 +151,21 @@ CameraColours::CameraColours(size_t cameras, size_t frames, ColourRefinement wha
       exposures(what.exposure ? cameras * frames : 0),
       vignettes(what.vignetting ? 2 * cameras : 0) {}
 
+void CameraColours::join_exposures() {
+    if (first.empty() || frames() == 0) return;
+    for (size_t camera = 0; camera < cameras(); ++camera) {
+        float sum = 0, count = 0;
+        for (size_t i = camera * frames(); i < (camera + 1) * frames(); ++i)
+            if (exposures.second[i] > 0) sum += exposures.values[i], count++;
+        if (count == 0) continue;
+        for (size_t i = camera * frames(); i < (camera + 1) * frames(); ++i)
+            if (exposures.second[i] > 0) exposures.values[i] -= sum / count;
+        for (glm::vec4& row : values[camera].rows) row *= std::exp(sum / count);
+    }
+    centre(values);
+    keep_in_bounds(values);
+}
+
 void CameraColours::keep(ColourRefinement what) {
     CameraColours kept(cameras(), frames(), what);
     if (what.colour) {

@@ -66,6 +66,10 @@ struct CameraColours {
     void learn(const Batch& batch, const std::vector<stage::Camera>& all_cameras, const CameraColour* tile_gradients,
                float rate, uint64_t step);
 
+    // What all exposures of a camera have in common becomes part of its colour, where both are learnt: images do not
+    // tell the one from the other.
+    void join_exposures();
+
     // What is not in `what` becomes neutral, and is not learnt any more.
     void keep(ColourRefinement what);
 
