@@ -254,7 +254,7 @@ def run_first_task(page, runner, folder):
             for program, words, _ in commands(line):
                 if words[0] == 'view':
                     continue
-                for option, other in (('--size', ['--size', '64x64']), ('--minutes', ['--steps', '10'])):
+                for option, other in (('--size', ['--size', '96x96']), ('--minutes', ['--steps', '10'])):
                     if option in words:
                         at = words.index(option)
                         words[at:at + 2] = other
