@@ -19,8 +19,8 @@ struct MatteSettings {
 };
 
 // Where a background comes from. Soft shadows (shadows.h) do not differ from a clean plate, and beside edges more noise
-// is expected. In the median of images the performer may have left traces, from which grey cloth would be a soft
-// shadow: there, what differs by more than noise differs.
+// is expected. In the median of images the performer may have left traces, beside which grey cloth looks like a soft
+// shadow: there, all that exceeds the noise differs.
 enum class BackgroundKind { kPlate, kMedian };
 inline BackgroundKind kind_of_background(bool is_clean) {
     return is_clean ? BackgroundKind::kPlate : BackgroundKind::kMedian;

@@ -15,8 +15,8 @@ struct Shade {
 };
 
 // The pixels beyond those that show the background (`background`) into which it reaches as a shadow: darker, of its
-// hue, and from pixel to pixel by small steps. Grey cloth before a grey wall is no shadow, as it has an edge. Small
-// parts of the background may be places of the performer that happen to look like it, and reach nowhere.
+// hue, and from pixel to pixel by small steps. Grey cloth before a grey wall is no shadow, as it has an edge. A small
+// part of the background may be a place of the performer that happens to look like it: no shadow begins there.
 PixelMask soft_shadows(const PixelMask& background, const std::vector<Shade>& shades);
 
 }  // namespace neuvv::training
