@@ -34,10 +34,12 @@ struct MemoryFlags {
     VkMemoryPropertyFlags preferred, required;
 };
 
+constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+
 MemoryFlags flags_of(MemoryKind kind) {
-    constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     switch (kind) {
         case MemoryKind::kDevice:
+        case MemoryKind::kShared:
             return {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};
         case MemoryKind::kUpload:
             return {kHost | VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, kHost};
@@ -97,9 +99,10 @@ Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind
 
     const MemoryFlags flags = flags_of(kind);
     const uint32_t type = owner.memory_type(requirements.memoryTypeBits, flags.preferred, flags.required);
-    owner.check_memory(
-        owner.memory_pool().take(owner.handle(), requirements.size, type, kind != MemoryKind::kDevice, memory), name,
-        requirements.size);
+    const bool maps =
+        kind == MemoryKind::kShared ? (owner.memory_flags(type) & kHost) == kHost : kind != MemoryKind::kDevice;
+    owner.check_memory(owner.memory_pool().take(owner.handle(), requirements.size, type, maps, memory), name,
+                       requirements.size);
     mapped = memory.mapped;
     owner.count_buffer_bytes(bytes, 0);
     check(vkBindBufferMemory(owner.handle(), buffer, memory.memory, 0), "vkBindBufferMemory", name);

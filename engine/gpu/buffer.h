@@ -12,6 +12,7 @@ namespace neuvv::gpu {
 
 enum class MemoryKind {
     kDevice,    // device-local, not mapped
+    kShared,    // as kDevice, but mapped and coherent where the host sees that memory, as that of software devices
     kUpload,    // the host writes, the device reads: always mapped and coherent
     kReadback,  // the device writes, the host reads: always mapped and coherent, and cached where the device offers it
 };
@@ -45,7 +46,7 @@ struct Buffer {
     DeviceMemory memory;
     VkBufferView view = VK_NULL_HANDLE;
     uint64_t bytes = 0;
-    void* mapped = nullptr;  // null for kDevice
+    void* mapped = nullptr;  // null for kDevice, and for kShared where the host does not see it
 };
 
 // Bytes of one texel. Throws RuntimeFailure for a format that the program does not use in buffers.

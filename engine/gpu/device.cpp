@@ -382,6 +382,12 @@ uint32_t Device::memory_type(uint32_t type_bits, VkMemoryPropertyFlags preferred
     throw RuntimeFailure(fmt::format("device \"{}\" has no memory type with flags {:#x}", summary_.name, required));
 }
 
+VkMemoryPropertyFlags Device::memory_flags(uint32_t type) const {
+    VkPhysicalDeviceMemoryProperties memory{};
+    vkGetPhysicalDeviceMemoryProperties(physical_, &memory);
+    return memory.memoryTypes[type].propertyFlags;
+}
+
 void Device::limit_memory(std::optional<uint64_t> bytes) const {
     memory_pool_.set_limit(summary_.memory.types, bytes);
 }

@@ -15,6 +15,19 @@ void Uploads::add(const Buffer& to, const void* data, uint64_t bytes) {
     bytes_ += bytes;
 }
 
+Buffer Uploads::add_written(const char* name, uint64_t bytes, VkFormat format,
+                            const std::function<void(void*)>& write) {
+    Buffer buffer(device_, name, bytes, MemoryKind::kShared, format);
+    if (buffer.mapped) {
+        write(buffer.mapped);
+        return buffer;
+    }
+    written_.push_back(std::make_unique_for_overwrite<char[]>(bytes));
+    write(written_.back().get());
+    add(buffer, written_.back().get(), bytes);
+    return buffer;
+}
+
 void Uploads::finish() {
     if (bytes_ == 0) return;
     const uint64_t most = std::min(kStagedPiece, device_.max_allocation_bytes());
@@ -28,6 +41,7 @@ void Uploads::finish() {
         commands.wait();
     }
     copies_.clear();
+    written_.clear();
     bytes_ = 0;
 }
 

@@ -25,6 +25,9 @@ class Uploads {
         add(buffer, values.data(), values.size() * sizeof(T));
         return buffer;
     }
+    // Creates a buffer on the device whose bytes are those that `write` writes, before this returns: all of them, in
+    // any order, without reading any. Where the host sees the device's memory, they are written there.
+    Buffer add_written(const char* name, uint64_t bytes, VkFormat format, const std::function<void(void*)>& write);
     // Copies through a staging buffer, which is filled again where it is too small for all, and waits.
     void finish();
 
@@ -42,6 +45,7 @@ class Uploads {
     void record_staged(Commands& commands, const Buffer& staging, Progress& progress) const;
     const Device& device_;
     std::vector<Copy> copies_;
+    std::vector<std::unique_ptr<char[]>> written_;  // what is to be copied of add_written
     uint64_t bytes_ = 0;
 };
 
