@@ -60,9 +60,9 @@ void encode_planes(const Slice& slice, const Octree& tree, const Pairs& pairs, s
 void encode_all_planes(const Slice& slice, const Octree& tree, FrameSymbols& frame, Slice& decoded) {
     const auto planes = static_cast<uint32_t>(slice.planes.size());
     decoded.planes.resize(planes);
-    encode_planes(slice, tree, pairs_of_areas(tree), {}, kOpacityPlane, 1, frame, decoded);
+    encode_planes(slice, tree, Pairs(tree), {}, kOpacityPlane, 1, frame, decoded);
     const std::vector<int16_t> factors = colour_factors_of(decoded.planes[kOpacityPlane]);
-    encode_planes(slice, tree, pairs_of(tree, factors, 1.0 / kUnit), factors, kFirstColourPlane, planes - 1, frame,
+    encode_planes(slice, tree, Pairs(tree, factors, 1.0 / kUnit), factors, kFirstColourPlane, planes - 1, frame,
                   decoded);
 }
 

@@ -59,8 +59,9 @@ class PlanesReader {
     // Of the leaves that are not repeated.
     Planes read() {
         if (tree_.leaf_count == 0) return std::move(decoded_);
-        decode_planes(pairs_of_areas(tree_), kOpacityPlane, 1);
-        decode_colours(pairs_of(tree_, colour_factors_of(decoded_[kOpacityPlane]), 1.0 / kUnit));
+        decode_planes(Pairs(tree_), kOpacityPlane, 1);
+        const std::vector<int16_t> factors = colour_factors_of(decoded_[kOpacityPlane]);
+        decode_colours(Pairs(tree_, factors, 1.0 / kUnit));
         return std::move(decoded_);
     }
 

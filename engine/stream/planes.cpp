@@ -128,9 +128,9 @@ class Walk {
                 if (!cell.children)
                     large.emplace_back(cell.first, number);
                 else if (is_last)
-                    divide<true>(cell, number);
+                    divide<true>(cell, d, number);
                 else
-                    divide<false>(cell, number);
+                    divide<false>(cell, d, number);
                 ++number;
             }
         }
@@ -154,12 +154,13 @@ class Walk {
 
     // Gives the children of a cell their values. `number` is the cell's among all.
     template <bool kLast>
-    void divide(const Cell& cell, size_t number) {
+    void divide(const Cell& cell, size_t depth, size_t number) {
         const Splits& splits = kSplits[cell.children];
         uint64_t some = 0;  // planes with a number that is not 0
         if (!coders_.empty() && splits.count > 0)
             for (size_t p = 0; p < planes_.size(); ++p)
                 some |= uint64_t{code_any(coders_[p], planes_[p], splits, planes_[p].activities[number])} << p;
+        if (some) cell_pairs_ = pairs_.of(depth, cell);
         if constexpr (kLast) {
             const uint32_t first = cell.first;
             if (first + 8 <= tree_.leaf_count) {
@@ -227,7 +228,7 @@ class Walk {
             code_numbers(coder, plane.first_table, splits, numbers, activities);
             coders_[p] = coder;
         }
-        return values_of(value, numbers, plane.given.step, pairs_[divided_]);
+        return values_of(value, numbers, plane.given.step, cell_pairs_);
     }
 
     static void code_numbers(Coder& coder, uint32_t first_table, const Splits& splits, Numbers& numbers,
@@ -245,8 +246,9 @@ class Walk {
 
     const Octree& tree_;
     const Pairs& pairs_;
-    size_t divided_ = 0;  // cells
-    size_t below_ = 0;    // the number of the first cell of the next depth
+    CellPairs cell_pairs_;  // of the cell that is divided, where it has numbers that are not 0
+    size_t divided_ = 0;    // cells
+    size_t below_ = 0;      // the number of the first cell of the next depth
     uint32_t finest_;
     std::span<Coder> coders_;
     std::vector<Plane> planes_;
@@ -261,7 +263,7 @@ int16_t rounded_value(float value, uint32_t plane) {
 template <typename Coder>
 void code_planes(std::span<Coder> coarse, std::span<Coder> fine, const Octree& tree, const Pairs& pairs,
                  uint32_t finest, std::span<const PlaneOfTree> planes) {
-    assert(tree.leaf_count > 0 && pairs.size() == tree.divided_count);
+    assert(tree.leaf_count > 0);
     Walk<Coder>(tree, pairs, finest, planes).run(coarse, fine);
 }
 

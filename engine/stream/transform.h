@@ -60,22 +60,33 @@ struct alignas(16) CellPairs {
     std::array<float, kPairs> share_b{};        // w_b / w
 };
 
-// Of the cells that are divided, which are those that are no leaves: those of the root first, depth by depth, in each
-// depth in order.
-using Pairs = std::vector<CellPairs>;
-
-// A leaf's weight is its area, 1 for the finest, 4 for the next, times its factor where there are any.
+// A leaf's area: 1 for the finest, 4 for the next.
 double area_of(uint32_t depth, uint32_t finest);
-// The pairs of a tree by weights in units of 1, and with factors in units of `unit`.
-Pairs pairs_of_areas(const Octree& tree);
-Pairs pairs_of(const Octree& tree, std::span<const int16_t> factors, double unit);
 
-// The coefficients of a plane, (b − a) / inverse_scale, kPairs for each cell that is divided, and the mean of the root.
+// The pairs of all cells of a tree. A leaf's weight is its area, times its factor where there are any, in units of
+// `unit`. Only the weights are kept: most of the finest cells have no coefficient, and need no pairs.
+class Pairs {
+  public:
+    // Tree and factors must outlive it.
+    explicit Pairs(const Octree& tree, std::span<const int16_t> factors = {}, double unit = 1);
+    // Of a cell that is divided.
+    CellPairs of(size_t depth, const Cell& cell) const;
+
+  private:
+    double leaf_weight(size_t leaf) const { return factors_.empty() ? 1 : factors_[leaf]; }
+    const Octree& tree_;
+    std::span<const int16_t> factors_;
+    double unit_;
+    std::vector<std::vector<double>> weights_;  // of the cells above the finest depth, by depth
+};
+
+// The coefficients of a plane, (b − a) / inverse_scale, and the mean of the root. There are kPairs for each cell that
+// is divided: that of the root first, depth by depth, in each depth in order.
 struct Coefficients {
     double root = 0;
     std::vector<std::array<double, kPairs>> values;  // 0 where there is no pair
 };
-// `factors` may be empty.
+// `factors` are those of the pairs.
 Coefficients transform(const Octree& tree, const Pairs& pairs, std::span<const int16_t> factors,
                        std::span<const int16_t> leaves);
 

@@ -69,10 +69,13 @@ TEST(StreamOctree, KnowsFaceNeighbours) {
     EXPECT_GT(found, 100u);
 }
 
-size_t count_pairs(const stream::Pairs& pairs) {
+size_t count_pairs(const stream::Octree& tree, const stream::Pairs& pairs) {
     size_t count = 0;
-    for (const stream::CellPairs& cell : pairs)
-        count += static_cast<size_t>(std::ranges::count_if(cell.inverse_scale, [](float scale) { return scale > 0; }));
+    for (size_t depth = 0; depth < tree.cells.size(); ++depth)
+        for (const stream::Cell& cell : tree.cells[depth])
+            if (cell.children)
+                count += static_cast<size_t>(
+                    std::ranges::count_if(pairs.of(depth, cell).inverse_scale, [](float scale) { return scale > 0; }));
     return count;
 }
 
@@ -92,8 +95,8 @@ TEST(StreamTransform, KeepsSquares) {
         factors.push_back(static_cast<int16_t>(1 + i % 5));
         weights[i] *= factors[i];
     }
-    const stream::Pairs pairs = stream::pairs_of(tree, factors, 0.25);
-    EXPECT_EQ(count_pairs(pairs) + 1, slice.leaves.size());
+    const stream::Pairs pairs(tree, factors, 0.25);
+    EXPECT_EQ(count_pairs(tree, pairs) + 1, slice.leaves.size());
     const stream::Coefficients all = stream::transform(tree, pairs, factors, slice.planes[1]);
     double mean = 0, sum = 0, squares = 0, of_coefficients = 0;
     for (size_t i = 0; i < weights.size(); ++i) {
@@ -113,7 +116,7 @@ TEST(StreamTransform, ComesBackWithinTheSteps) {
     const stream::Slice slice = random_slice(4, 8, 700, 3);
     const stream::Octree tree = stream::octree_of(slice.leaves, slice.depth);
     const std::vector<double> weights = areas_of(slice);
-    const stream::Pairs pairs = stream::pairs_of_areas(tree);
+    const stream::Pairs pairs(tree);
     const size_t planes = slice.planes.size();
     std::vector<std::vector<std::array<int16_t, stream::kPairs>>> numbers(planes);
     std::vector<std::vector<int16_t>> back(planes, std::vector<int16_t>(slice.leaves.size()));
@@ -135,7 +138,7 @@ TEST(StreamTransform, ComesBackWithinTheSteps) {
             squares += weights[i] * error * error;
         }
     // Each coefficient is off by up to a half of its step: 16² / 12 in the mean.
-    EXPECT_NEAR(squares / static_cast<double>(planes * count_pairs(pairs)), 256.0 / 12, 1);
+    EXPECT_NEAR(squares / static_cast<double>(planes * count_pairs(tree, pairs)), 256.0 / 12, 1);
 }
 
 }  // namespace
