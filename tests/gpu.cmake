@@ -20,6 +20,7 @@ neuvv_test(render_test GPU
     render/hh_test.cpp
     render/slice_test.cpp
     render/slice_tree_test.cpp
+    render/slice_upload_test.cpp
     render/paint_test.cpp
     render/pick_test.cpp
     render/frame_test.cpp
@@ -73,7 +74,7 @@ neuvv_test(set_raster_test GPU
     render/stage_renderer_size_test.cpp
   LINKS neuvv_render neuvv_render_test_shaders nlohmann_json::nlohmann_json)
 target_include_directories(set_raster_test PRIVATE ${PROJECT_SOURCE_DIR})
-neuvv_storage_test(render_test "SliceT*:FrameTest.TraceAndDirect*:FrameTest.ShadedP*:MergeTest.Inst*:PaintTest.Every*:Highlight*:Inspect*:Pick*" * 2 25)
+neuvv_storage_test(render_test "SliceT*:SliceU*:FrameTest.TraceAndDirect*:FrameTest.ShadedP*:MergeTest.Inst*:PaintTest.Every*:Highlight*:Inspect*:Pick*" * 2 25)
 neuvv_storage_test(set_raster_test "SetFrameTest.TheSetShadows*:SetShadowTest.Perf*:SetShadowTest.Comp*:FramePasses*" * 2 25)
 neuvv_gpu_assisted_test(render_test "SliceTree*:Instances*:RayGrid*:Merge*" 200)
 neuvv_gpu_assisted_test(set_raster_test "SetFrameTest.TheSet*:SetFrameTest.Glass*:SetShadow*" 50)

@@ -151,7 +151,7 @@ bool SliceResidency::drop() {
     uint64_t taken = 0;
     for (const auto& performer : performers_) {
         const SliceCache* slices = performer ? performer->slices() : nullptr;
-        if (slices) taken += slices->trees().slices * slice_bytes(performer->field(), slices->trees().capacity);
+        if (slices) taken += slices->bytes();
     }
     if (taken > 0 && budget_ > 1) budget_ = std::max<uint64_t>(std::min(taken, budget_) / 2, 1);
     performers_.clear();

@@ -30,7 +30,7 @@ Shading play_shading(const Field& field, glm::vec3 eye, double rays) {
     return half_leaf < kSmallAngle * glm::length(outside) ? Shading::kPerLeaf : Shading::kPerRay;
 }
 
-TargetPasses::TargetPasses(const gpu::Device& given_device, const Field& given_field, const LiveLeaves& given_live,
+TargetPasses::TargetPasses(const gpu::Device& given_device, const Field& given_field, const LiveLeaves* given_live,
                            const SliceTrees* given_trees, const RayTarget& given_target, uint32_t max_views)
     : device(given_device),
       field(given_field),
@@ -68,7 +68,7 @@ void TargetPasses::ensure_direct_tracer(RayOutput output, const Intervals* inter
     std::unique_ptr<DirectTracer>& tracer = direct_tracers[static_cast<size_t>(output)];
     if (tracer) return;
     ensure_direct_ranger();
-    tracer = std::make_unique<DirectTracer>(device, field, live, target, output, intervals);
+    tracer = std::make_unique<DirectTracer>(device, field, *live, target, output, intervals);
 }
 
 void TargetPasses::forget_intervals() {
@@ -78,13 +78,15 @@ void TargetPasses::forget_intervals() {
 }
 
 Performer::Performer(const gpu::Device& device, const Field& field, const Paints& paints, uint64_t slice_budget)
-    : device_(device),
-      field_(field),
-      paints_(paints),
-      slice_budget_(slice_budget),
-      live_(device, field, slice_budget > 0 ? field.leaf_count : 1),
-      finder_(std::make_unique<LiveFinder>(device, field, live_)) {
-    if (slice_budget > 0) make_slices(likely_entries(field));
+    : device_(device), field_(field), paints_(paints), slice_budget_(slice_budget) {
+    if (!field.slice) make_live(slice_budget > 0 ? field.leaf_count : 1);
+    if (field.slice || slice_budget > 0) make_slices(likely_entries(field));
+}
+
+void Performer::make_live(uint32_t slots) {
+    finder_.reset();
+    live_ = std::make_unique<LiveLeaves>(device_, field_, slots);
+    finder_ = std::make_unique<LiveFinder>(device_, field_, *live_);
 }
 
 void Performer::make_slices(uint32_t entries) {
@@ -92,13 +94,13 @@ void Performer::make_slices(uint32_t entries) {
     bone_binder_.reset();
     pickers_.clear();
     slices_.reset();  // frees their memory before the new ones are created
-    slices_ = std::make_unique<SliceCache>(device_, field_, live_, paints_, entries, slice_budget_);
+    slices_ = field_.slice ? std::make_unique<SliceCache>(device_, field_, paints_)
+                           : std::make_unique<SliceCache>(device_, field_, *live_, paints_, entries, slice_budget_);
     for (gpu::Buffer& counts : counts_readback_) {
         counts = gpu::Buffer(device_, "entries readback", slices_->trees().counts.bytes, gpu::MemoryKind::kReadback);
         std::memset(counts.mapped, 0, counts.bytes);  // images that are under way do not write it
     }
-    for (const auto& [target, views] : targets_)
-        passes_.push_back(std::make_unique<TargetPasses>(device_, field_, live_, &slices_->trees(), *target, views));
+    for (const auto& [target, views] : targets_) passes_.push_back(make_passes(*target, views));
     slice_paint_count_ = paints_.count();
 }
 
@@ -106,12 +108,10 @@ void Performer::make_slices(uint32_t entries) {
 void Performer::make_slices_for_paint(bool are_painted) {
     if (!slices_ && are_painted) {
         passes_.clear();  // they are bound to the live leaves
-        finder_.reset();
-        live_ = LiveLeaves(device_, field_, field_.leaf_count);
-        finder_ = std::make_unique<LiveFinder>(device_, field_, live_);
+        make_live(field_.leaf_count);
         make_slices(likely_entries(field_));
     }
-    if (!slices_ || paints_.count() <= slice_paint_count_) return;
+    if (!slices_ || field_.slice || paints_.count() <= slice_paint_count_) return;
     const SliceTrees& trees = slices_->trees();
     // Whether the number of slices was limited by the clip, not by the budget.
     const bool all_of_clip = trees.slices >= (1 + slice_paint_count_) * field_.frames;
@@ -121,20 +121,24 @@ void Performer::make_slices_for_paint(bool are_painted) {
     make_slices(entries);
 }
 
+std::unique_ptr<TargetPasses> Performer::make_passes(const RayTarget& target, uint32_t views) const {
+    return std::make_unique<TargetPasses>(device_, field_, live_.get(), slices_ ? &slices_->trees() : nullptr, target,
+                                          views);
+}
+
 uint32_t Performer::add_target(const RayTarget& target, uint32_t views) {
     targets_.emplace_back(&target, views);
-    passes_.push_back(
-        std::make_unique<TargetPasses>(device_, field_, live_, slices_ ? &slices_->trees() : nullptr, target, views));
+    passes_.push_back(make_passes(target, views));
     return static_cast<uint32_t>(passes_.size()) - 1;
 }
 
 void Performer::replace_target(uint32_t index, const RayTarget& target, uint32_t views) {
     targets_[index] = {&target, views};
-    passes_[index] =
-        std::make_unique<TargetPasses>(device_, field_, live_, slices_ ? &slices_->trees() : nullptr, target, views);
+    passes_[index] = make_passes(target, views);
 }
 
 bool Performer::replaces_slices(std::span<const SliceKey> slices) const {
+    if (field_.slice) return false;
     return slices_ ? paints_.count() > slice_paint_count_ : any_painted(slices);
 }
 

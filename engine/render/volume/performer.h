@@ -49,7 +49,7 @@ struct DrawnInstance {
 
 // The passes of one performer for one target. Each is created when it is first needed. All arguments must outlive it.
 struct TargetPasses {
-    TargetPasses(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees* trees,
+    TargetPasses(const gpu::Device& device, const Field& field, const LiveLeaves* live, const SliceTrees* trees,
                  const RayTarget& target, uint32_t views);
 
     // Create the passes for an instance, before an image is recorded. `intervals` must not be null where `output` is
@@ -74,7 +74,7 @@ struct TargetPasses {
     };
     const gpu::Device& device;
     const Field& field;
-    const LiveLeaves& live;
+    const LiveLeaves* live;   // null where the field came with its slice
     const SliceTrees* trees;  // null: the performer has no slices
     const RayTarget& target;
     uint32_t views;
@@ -136,13 +136,15 @@ class Performer {
     const gpu::Buffer& counts_readback(uint32_t slot) const { return counts_readback_[slot]; }
 
   private:
+    void make_live(uint32_t slots);
     void make_slices(uint32_t entries);
+    std::unique_ptr<TargetPasses> make_passes(const RayTarget& target, uint32_t views) const;
     void make_slices_for_paint(bool are_painted);
     const gpu::Device& device_;
     const Field& field_;
     const Paints& paints_;
     uint64_t slice_budget_;
-    LiveLeaves live_;
+    std::unique_ptr<LiveLeaves> live_;  // null where the field came with its slice, as is finder_
     std::unique_ptr<LiveFinder> finder_;
     std::unique_ptr<SliceCache> slices_;
     std::unique_ptr<BoneBinder> bone_binder_;

@@ -10,17 +10,17 @@ constexpr float kMaxHalf = 65504.0f;
 
 // Rounds to nearest, ties to even. Values beyond ±65504, infinities included, become ±65504; NaN stays NaN.
 inline uint16_t half_from_float(float value) {
-    const uint32_t bits = std::bit_cast<uint32_t>(value);
-    const uint32_t sign = bits >> 31 << 15;
-    const uint32_t magnitude = bits & 0x7fffffffu;
-    const uint32_t largest = std::bit_cast<uint32_t>(kMaxHalf);
-    const uint32_t clamped = magnitude < largest ? magnitude : largest;
+    // Signed, as not every processor compares unsigned numbers in a vector.
+    const int32_t bits = std::bit_cast<int32_t>(value), magnitude = bits & 0x7fffffff;
+    constexpr int32_t kLargest = std::bit_cast<int32_t>(kMaxHalf);
+    const int32_t sign = bits >> 16 & 0x8000, clamped = magnitude < kLargest ? magnitude : kLargest;
     // Normal halves: change the exponent's bias from 127 to 15, and round away the lowest 13 bits.
-    const uint32_t normal = (clamped - (112u << 23) + 0xfffu + ((clamped >> 13) & 1u)) >> 13;
+    const int32_t normal = (clamped - (112 << 23) + 0xfff + (clamped >> 13 & 1)) >> 13;
     // Below 2^-14: adding 0.5 makes the float unit round at 2^-24, a subnormal half's step.
-    const uint32_t subnormal = std::bit_cast<uint32_t>(std::bit_cast<float>(clamped) + 0.5f) - (126u << 23);
-    const uint32_t finite = clamped < (113u << 23) ? subnormal : normal;
-    return static_cast<uint16_t>(sign | (magnitude > 0x7f800000u ? 0x7e00u : finite));
+    const int32_t subnormal = std::bit_cast<int32_t>(std::bit_cast<float>(clamped) + 0.5f) - (126 << 23);
+    const int32_t is_small = -int32_t{clamped < 113 << 23}, is_nan = -int32_t{magnitude > 0x7f800000};  // masks
+    const int32_t finite = (subnormal & is_small) | (normal & ~is_small);
+    return static_cast<uint16_t>(sign | (is_nan & 0x7e00) | (finite & ~is_nan));
 }
 
 // The conversion is exact.

@@ -6,12 +6,13 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/threads/parallel.h"
 #include "base/trace_file.h"
 #include "gpu/host_copies.h"
-#include "render/volume/slices/walk_tree.h"
+#include "render/volume/slices/slice_tree.h"
 #include "voctree/files/half.h"
 
 namespace neuvv::render {
@@ -67,20 +68,14 @@ uint32_t count_busy_planes(const std::vector<float>& basis, uint32_t frames, uin
     return max;
 }
 
-// The mean edge of the leaves, as a fraction of the box's edge.
-float mean_edge(const std::vector<glm::uvec2>& leaf_positions) {
-    double sum = 0;
-    for (const glm::uvec2 position : leaf_positions) sum += std::exp2(-static_cast<double>(position.y >> 16));
-    return leaf_positions.empty() ? 0 : static_cast<float>(sum / static_cast<double>(leaf_positions.size()));
-}
-
-// Sets the coarsest and the finest level of leaves from the leaf positions of the walk tree.
-void set_leaf_levels(Field& field, const std::vector<glm::uvec2>& leaf_positions) {
-    if (leaf_positions.empty()) return;
-    const auto level = [](glm::uvec2 position) { return position.y >> 16; };
-    const auto [coarsest, finest] = std::ranges::minmax(leaf_positions, {}, level);
-    field.coarsest_level = level(coarsest) - field.levels_above;
-    field.finest_level = level(finest) - field.levels_above;
+// The mean edge of the leaves, as a fraction of the edge of the box that the tree was given.
+float mean_edge(const LeavesOfDepth& leaves) {
+    double sum = 0, count = 0;
+    for (size_t depth = 1; depth < leaves.size(); ++depth) {
+        sum += std::ldexp(leaves[depth], -static_cast<int>(depth));
+        count += leaves[depth];
+    }
+    return count == 0 ? 0 : static_cast<float>(sum / count);
 }
 
 // Creates the buffers of the weights, and adds their uploads.
@@ -115,6 +110,27 @@ void add_weights(Field& field, const std::vector<uint16_t>& halves, gpu::Uploads
 
 }  // namespace
 
+void set_shape(Field& field, const WalkShape& shape, glm::vec3 box_size) {
+    field.box_size = box_size * static_cast<float>(shape.scale);
+    field.node_levels = shape.node_levels;
+    field.top_levels = shape.top.levels;
+    field.levels_above = shape.scale - 1;  // the scale is 1 or 2
+    field.level_begin = shape.level_begin;
+    const auto packed = [](glm::uvec3 cell) { return cell.x | cell.y << 10 | cell.z << 20; };
+    const auto& [low, last] = shape.top.bounds;
+    field.top_box = {packed(low), packed(last)};
+    const glm::vec3 top_cell = field.box_size / std::exp2(2.0f * static_cast<float>(shape.top.levels));
+    field.leaves_min = field.box_min + glm::vec3(low) * top_cell;
+    field.leaves_max = field.box_min + glm::vec3(last + 1u) * top_cell;
+    field.leaf_diagonal = glm::length(box_size) * mean_edge(shape.leaves);
+    bool any = false;
+    for (uint32_t depth = 1; depth < shape.leaves.size(); ++depth) {
+        if (shape.leaves[depth] == 0) continue;
+        if (!std::exchange(any, true)) field.coarsest_level = depth;
+        field.finest_level = depth;
+    }
+}
+
 uint64_t device_bytes(const Field& field) {
     uint64_t bytes = 0;
     for (const gpu::Buffer& part : field.weights) bytes += part.bytes;
@@ -122,6 +138,9 @@ uint64_t device_bytes(const Field& field) {
          {&field.nodes, &field.sigma_basis, &field.gamma_basis, &field.links, &field.leaf_cells, &field.node_cells,
           &field.leaf_positions, &field.node_positions})
         bytes += buffer->bytes;
+    if (field.slice)
+        for (const gpu::Buffer* buffer : {&field.slice->nodes, &field.slice->entries, &field.slice->entry_leaf})
+            bytes += buffer->bytes;
     for (const Field& coarser : field.coarser) bytes += device_bytes(coarser);
     return bytes;
 }
@@ -157,29 +176,18 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
         const TraceSpan span_of_tree("make the tree that shaders walk");
         return walk_tree(tree);
     }();
-    field.box_size = tree.box_size * static_cast<float>(walk.scale);
-    field.node_levels = walk.node_levels;
-    field.top_levels = walk.top_levels;
-    field.levels_above = walk.scale - 1;  // the scale is 1 or 2
-    set_leaf_levels(field, walk.leaf_positions);
-    const auto packed = [](glm::uvec3 cell) { return cell.x | cell.y << 10 | cell.z << 20; };
-    field.top_box = {packed(walk.top_low), packed(walk.top_last)};
-    const glm::vec3 top_cell = field.box_size / std::exp2(2.0f * static_cast<float>(walk.top_levels));
-    field.leaves_min = field.box_min + glm::vec3(walk.top_low) * top_cell;
-    field.leaves_max = field.box_min + glm::vec3(walk.top_last + 1u) * top_cell;
-    field.leaf_diagonal = glm::length(field.box_size) * mean_edge(walk.leaf_positions);
+    set_shape(field, walk, tree.box_size);
     gpu::Uploads uploads(device);
     // One array each where shaders read both, as some devices bind only 8 storage buffers.
-    for (TreeNode& node : walk.nodes) node.first_child += static_cast<uint32_t>(walk.top.size());
-    walk.top.insert(walk.top.end(), walk.children.begin(), walk.children.end());
+    for (TreeNode& node : walk.nodes) node.first_child += static_cast<uint32_t>(walk.top.cells.size());
+    walk.top.cells.insert(walk.top.cells.end(), walk.children.begin(), walk.children.end());
     walk.inner_cells.insert(walk.inner_cells.end(), walk.node_cells.begin(), walk.node_cells.end());
     field.nodes = uploads.add("tree nodes", walk.nodes, VK_FORMAT_R32G32B32A32_UINT);
-    field.links = uploads.add("tree links", walk.top, VK_FORMAT_R32_UINT);
+    field.links = uploads.add("tree links", walk.top.cells, VK_FORMAT_R32_UINT);
     field.leaf_cells = uploads.add("leaf cells", walk.leaf_cells, VK_FORMAT_R32G32_UINT);
     field.node_cells = uploads.add("node cells", walk.inner_cells, VK_FORMAT_R32G32_UINT);
     field.leaf_positions = uploads.add("leaf positions", walk.leaf_positions, VK_FORMAT_R32G32_UINT);
     field.node_positions = uploads.add("node positions", walk.node_positions, VK_FORMAT_R32G32_UINT);
-    field.level_begin = walk.level_begin;
     field.sigma_basis = uploads.add("basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);
     field.gamma_basis = uploads.add("basis B", tree.gamma_basis, VK_FORMAT_R32_SFLOAT);
     std::vector<float> floats;
@@ -188,7 +196,7 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
         floats = weights_to_planes(tree);
         field.weights.push_back(uploads.add("leaf weights", floats, VK_FORMAT_R32G32B32A32_SFLOAT));
     } else {
-        halves = planes_of<uint16_t>(tree, voctree::half_from_float);
+        halves = planes_of<uint16_t>(tree, [](float weight) { return voctree::half_from_float(weight); });
         add_weights(field, halves, uploads, device);
     }
     uploads.finish();

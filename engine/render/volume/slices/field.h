@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cassert>
+#include <memory>
 
 #include "gpu/buffer.h"
+#include "render/volume/slices/walk_tree.h"
 #include "shared/field.h"
 #include "voctree/voctree.h"
 
@@ -11,6 +13,8 @@ namespace neuvv::render {
 
 // Shaders read both; training writes weights, so it needs kFloat, which is one buffer.
 enum class WeightPrecision { kHalf, kFloat };
+
+struct SliceTrees;
 
 struct Field {
     gpu::Buffer nodes, sigma_basis, gamma_basis;
@@ -41,6 +45,9 @@ struct Field {
     // The largest number of planes of A_t or B_t that are not 0 at any t. Code that changes A or B must set it to
     // basis_planes().
     uint32_t busy_planes = 1;
+    // The slice of a field of one frame that came as one (slice_upload.h). Then there are neither weights nor bases,
+    // and nodes and leaf_cells are empty. Null: slices are built from the weights.
+    std::shared_ptr<const SliceTrees> slice;
     // The same clip with fewer and larger leaves, each at least an octree depth coarser than the one before
     // (field_levels.h).
     std::vector<Field> coarser;
@@ -62,6 +69,10 @@ struct Field {
 // The tree must be sound (defect_of(tree) is empty). Throws RuntimeFailure where the device lacks memory or a limit is
 // exceeded.
 Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, WeightPrecision precision);
+
+// Sets what a field has of the shape of its tree, but for buffers; box_min must be set. `box_size`: of the box that the
+// tree was given, metres.
+void set_shape(Field& field, const WalkShape& shape, glm::vec3 box_size);
 
 // The bytes of its buffers and of those of coarser levels.
 uint64_t device_bytes(const Field& field);

@@ -33,21 +33,35 @@ uint64_t slice_budget(const gpu::HeapMemory& memory, uint64_t wanted) {
     return std::max<uint64_t>(std::min(wanted, room), 1);
 }
 
+SliceCache::Builder::Builder(const gpu::Device& device, const Field& field, const LiveLeaves& given_live,
+                             uint32_t entries, uint32_t slices)
+    : live(given_live),
+      trees(device, field, entries, slices,
+            TreesBegin::kUndefined),  // as a new field may come while images are drawn
+      slicer(device, field, live, trees) {}
+
 SliceCache::SliceCache(const gpu::Device& device, const Field& field, const LiveLeaves& live, const Paints& paints,
                        uint32_t entries, uint64_t budget_bytes)
     : device_(device),
       field_(field),
-      live_(live),
       paints_(paints),
-      trees_(device, field, entries, slice_count(device, field, paints.count(), entries, budget_bytes),
-             TreesBegin::kUndefined),  // as a new field of a stream comes while images are drawn
-      slicer_(device, field, live, trees_),
+      builder_(std::make_unique<Builder>(device, field, live, entries,
+                                         slice_count(device, field, paints.count(), entries, budget_bytes))),
+      trees_(builder_->trees),
       slices_(trees_.slices) {}
 
+SliceCache::SliceCache(const gpu::Device& device, const Field& field, const Paints& paints)
+    : device_(device), field_(field), paints_(paints), trees_(*field.slice), slices_(1) {
+    forget();
+}
+
+uint64_t SliceCache::bytes() const {
+    return builder_ ? trees_.slices * slice_bytes(field_, trees_.capacity) : 0;
+}
+
 SliceCache::CachedSlice* SliceCache::find_cached(SliceKey key) {
-    const auto found =
-        std::find_if(slices_.begin(), slices_.end(), [key](const CachedSlice& one) { return one.key == key; });
-    return found == slices_.end() ? nullptr : &*found;
+    const std::optional<uint32_t> found = find(key);
+    return found ? &slices_[*found] : nullptr;
 }
 
 SliceCache::CachedSlice& SliceCache::oldest() {
@@ -82,7 +96,8 @@ void SliceCache::bind(std::span<const SliceKey> keys) {
         if (key.paint == 0 || bound_.contains(key.paint)) continue;
         const Paint* paint = paints_.find(key.paint);
         if (!paint) throw RuntimeFailure(fmt::format("there is no paint {}", key.paint));
-        if (!painter_) painter_ = std::make_unique<Painter>(device_, field_, live_, trees_);
+        if (!builder_) throw RuntimeFailure("a frame of a stream cannot be painted");
+        if (!painter_) painter_ = std::make_unique<Painter>(device_, field_, builder_->live, trees_);
         bound_.try_emplace(key.paint, *painter_, *paint);
     }
 }
@@ -114,6 +129,7 @@ void SliceCache::request_prefetch(std::span<const SliceKey> keys) {
 }
 
 std::optional<uint32_t> SliceCache::find(SliceKey key) const {
+    if (!builder_ && key.paint == 0) return 0;  // a field of one frame
     for (uint32_t i = 0; i < slices_.size(); ++i)
         if (slices_[i].key == key) return i;
     return std::nullopt;
@@ -133,6 +149,7 @@ std::optional<std::pair<SliceKey, uint32_t>> SliceCache::nearest_built(SliceKey 
 
 void SliceCache::forget() {
     std::fill(slices_.begin(), slices_.end(), CachedSlice{});
+    if (!builder_) slices_[0] = {SliceKey{}, kSliceParts};
 }
 
 const SlicePaint* SliceCache::paint_of(SliceKey key) const {
@@ -146,15 +163,16 @@ void SliceCache::build(gpu::Commands& commands, uint32_t slice, uint32_t parts) 
         if (i != slice && slices_[i].parts < kSliceParts) slices_[i].parts = 0;
     if (cached.parts == 0) cached.build = ++builds_;
     if (cached.parts == 0 && parts >= kSliceParts) {
-        record_slice_tree(commands, slicer_, slice, key.frame, paint_of(key));
+        record_slice_tree(commands, builder_->slicer, slice, key.frame, paint_of(key));
         cached.parts = kSliceParts;
     }
     for (; parts > 0 && cached.parts < kSliceParts; --parts)
-        record_slice_part(commands, slicer_, slice, key.frame, cached.parts++, paint_of(key));
+        record_slice_part(commands, builder_->slicer, slice, key.frame, cached.parts++, paint_of(key));
 }
 
 void SliceCache::record_slices(gpu::Commands& commands) {
-    if (!std::exchange(trees_are_defined_, true)) record_empty(commands, trees_);
+    if (!builder_) return;
+    if (!std::exchange(builder_->is_defined, true)) record_empty(commands, trees_);
     const auto is_missing = [this](const CachedSlice& cached) {
         return cached.key && cached.last_used == images_ && cached.parts < kSliceParts;
     };

@@ -31,6 +31,8 @@ class SliceCache {
     // one. `live` is scratch memory. All arguments must outlive it; paints may be added and removed meanwhile.
     SliceCache(const gpu::Device& device, const Field& field, const LiveLeaves& live, const Paints& paints,
                uint32_t entries, uint64_t budget_bytes);
+    // Of a field that came with its only slice (Field::slice), which is always there and takes no memory here.
+    SliceCache(const gpu::Device& device, const Field& field, const Paints& paints);
 
     // Requests the slices that an image needs, before the image is recorded. Cached slices stay. Each of the others
     // replaces the slice that was requested longest ago: first those with paint, then those without, each in the order
@@ -63,6 +65,8 @@ class SliceCache {
     void record_prefetch(gpu::Commands& commands, uint32_t parts);
 
     const SliceTrees& trees() const { return trees_; }
+    // What its slices take on the device, but for the field's own.
+    uint64_t bytes() const;
 
   private:
     struct CachedSlice {
@@ -81,11 +85,18 @@ class SliceCache {
     void build(gpu::Commands& commands, uint32_t slice, uint32_t parts);
     const gpu::Device& device_;
     const Field& field_;
-    const LiveLeaves& live_;
     const Paints& paints_;
-    SliceTrees trees_;
-    bool trees_are_defined_ = false;  // what makes them empty was recorded
-    TreeSlicer slicer_;
+    // What builds slices.
+    struct Builder {
+        const LiveLeaves& live;
+        SliceTrees trees;
+        TreeSlicer slicer;
+        bool is_defined = false;  // what makes the trees empty was recorded
+        Builder(const gpu::Device& device, const Field& field, const LiveLeaves& live, uint32_t entries,
+                uint32_t slices);
+    };
+    std::unique_ptr<Builder> builder_;  // null: the field came with its slice
+    const SliceTrees& trees_;
     std::vector<CachedSlice> slices_;  // by index; at most one is partly built, and uses the live leaves
     std::optional<uint32_t> shared_;   // the slice whose memory painted slices share in this image
     std::vector<SliceKey> prefetch_;

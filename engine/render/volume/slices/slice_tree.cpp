@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include "base/error.h"
 
@@ -21,21 +22,35 @@ uint64_t slice_bytes(const Field& field, uint32_t entries) {
     return entry * entries + field.nodes.bytes + sizeof(LiveCount);
 }
 
+namespace {
+
+void expect_dispatch(const gpu::Device& device, uint32_t entries) {
+    if (gpu::groups_of(entries, kSliceGroup) > device.limits().maxComputeWorkGroupCount[0])
+        throw RuntimeFailure(
+            fmt::format("{} live leaves and nodes at once are more than this device dispatches", entries),
+            Remedy::kNoSlices);
+}
+
+}  // namespace
+
+SliceTrees::SliceTrees(const gpu::Device& device, SliceBuffers built, uint32_t nodes_of_slice,
+                       uint32_t entries_of_slice)
+    : SliceBuffers(std::move(built)), capacity(std::max(entries_of_slice, 1u)), slices(1), node_count(nodes_of_slice) {
+    expect_dispatch(device, capacity);
+}
+
 SliceTrees::SliceTrees(const gpu::Device& device, const Field& field, uint32_t entry_capacity, uint32_t slice_count,
                        TreesBegin begin)
-    : capacity(std::max(entry_capacity, 1u)),
-      slices(slice_count),
-      node_count(field.node_count()),
-      nodes(device, "slice nodes", field.nodes.bytes * slices, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_UINT),
-      entries(device, "slice entries", uint64_t{4} * kEntryWords * sh_count(field.hh_degree) * capacity * slices,
-              gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
-      entry_leaf(device, "leaves of entries", uint64_t{4} * capacity * slices, gpu::MemoryKind::kDevice,
-                 VK_FORMAT_R32_UINT),
-      counts(device, "counts of entries", sizeof(LiveCount) * slices, gpu::MemoryKind::kDevice) {
-    if (gpu::groups_of(capacity, kSliceGroup) > device.limits().maxComputeWorkGroupCount[0])
-        throw RuntimeFailure(
-            fmt::format("{} live leaves and nodes at once are more than this device dispatches", capacity),
-            Remedy::kNoSlices);
+    : capacity(std::max(entry_capacity, 1u)), slices(slice_count), node_count(field.node_count()) {
+    const auto buffer = [&](const char* name, uint64_t bytes, VkFormat format = VK_FORMAT_UNDEFINED) {
+        return gpu::Buffer(device, name, bytes * slices, gpu::MemoryKind::kDevice, format);
+    };
+    nodes = buffer("slice nodes", field.nodes.bytes, VK_FORMAT_R32G32B32A32_UINT);
+    entries = buffer("slice entries", uint64_t{4} * kEntryWords * sh_count(field.hh_degree) * capacity,
+                     VK_FORMAT_R32G32_UINT);
+    entry_leaf = buffer("leaves of entries", uint64_t{4} * capacity, VK_FORMAT_R32_UINT);
+    counts = buffer("counts of entries", sizeof(LiveCount));
+    expect_dispatch(device, capacity);
     if (begin == TreesBegin::kEmpty)
         gpu::run_once(device, "empty trees", [this](gpu::Commands& commands) { record_empty(commands, *this); });
 }

@@ -11,20 +11,25 @@ namespace neuvv::render {
 // What new trees are: empty, or undefined until record_empty() was recorded, which has to come before all other use.
 enum class TreesBegin { kEmpty, kUndefined };
 
+struct SliceBuffers {
+    gpu::Buffer nodes;       // per slice and node of the field: mask of live cells, first entry, wide octants
+    gpu::Buffer entries;     // per entry: σ and SH, fp16
+    gpu::Buffer entry_leaf;  // per entry: its leaf, or kNoLeaf
+    gpu::Buffer counts;      // per slice: LiveCount of entries; all 0 before the slice is built
+};
+
 // Several slices of one field, one after the other in the same buffers.
-struct SliceTrees {
+struct SliceTrees : SliceBuffers {
     // Each slice has room for `entry_capacity` entries: one for each live leaf and each live node but the root. Where a
     // node finds no room for its entries the node is left out, and they are counted in LiveCount::overflow. Throws
     // RuntimeFailure where the device cannot dispatch so many entries.
     // It waits for the device, unless the trees are to be emptied later.
     SliceTrees(const gpu::Device& device, const Field& field, uint32_t entry_capacity, uint32_t slices,
                TreesBegin begin = TreesBegin::kEmpty);
+    // A single slice that is there already.
+    SliceTrees(const gpu::Device& device, SliceBuffers built, uint32_t node_count, uint32_t entries);
 
     uint32_t capacity, slices, node_count;
-    gpu::Buffer nodes;       // per slice and node of the field: mask of live cells, first entry, wide octants
-    gpu::Buffer entries;     // per entry: σ and SH, fp16
-    gpu::Buffer entry_leaf;  // per entry: its leaf, or kNoLeaf
-    gpu::Buffer counts;      // per slice: LiveCount of entries; all 0 before the slice is built
 
     uint32_t node_base(uint32_t slice) const { return slice * node_count; }
     uint32_t entry_base(uint32_t slice) const { return slice * capacity; }

@@ -1,0 +1,172 @@
+#include "render/volume/slices/slice_upload.h"
+
+#include <array>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "base/threads/parallel.h"
+#include "base/trace_file.h"
+#include "gpu/host_copies.h"
+#include "render/volume/slices/slice_layout.h"
+#include "voctree/files/half.h"
+#include "voctree/slice_values.h"
+
+namespace neuvv::render {
+
+namespace {
+
+constexpr size_t kLeavesOfPart = 8192;
+
+// σ of leaves in 1/m as fp16, by their depth in the slice and their opacity.
+class SigmaHalves {
+  public:
+    SigmaHalves(uint32_t depth, glm::vec3 box_size) : halves_((depth + 1) * kOpacities) {
+        const float edge_m = (box_size.x + box_size.y + box_size.z) / 3;
+        for (uint32_t d = 1; d <= depth; ++d)
+            for (uint32_t opacity = 0; opacity < kOpacities; ++opacity)
+                halves_[d * kOpacities + opacity] =
+                    voctree::half_from_float(voctree::optical_depth_of(static_cast<int16_t>(opacity)) /
+                                             std::ldexp(edge_m, -static_cast<int>(d)));
+    }
+    uint16_t of(uint32_t depth, int16_t opacity) const {
+        return halves_[depth * kOpacities + static_cast<uint32_t>(opacity)];
+    }
+
+  private:
+    static constexpr uint32_t kOpacities = stream::kUnit + 1;
+    std::vector<uint16_t> halves_;
+};
+
+// Writes the entries of leaves, in blocks whose numbers are computed plane by plane, which compilers vectorise.
+class EntryWriter {
+  public:
+    // `to`: all entries; they are not read.
+    EntryWriter(const stream::Slice& slice, const SliceLayout& layout, const SigmaHalves& sigma, glm::uvec2* to)
+        : slice_(slice), layout_(layout), sigma_(sigma), functions_(sh_count(slice.degree)), to_(to) {}
+
+    // Of the leaves begin…end−1.
+    void write(size_t begin, size_t end) {
+        for (; begin < end; begin += kBlock) write_block(begin, std::min(kBlock, end - begin));
+    }
+
+  private:
+    static constexpr size_t kBlock = 512;
+    using Floats = std::array<float, kBlock>;
+    using Halves = std::array<uint16_t, kBlock>;
+
+    void write_block(size_t first, size_t count) {
+        for (uint32_t harmonic = 0; harmonic < functions_; ++harmonic) {
+            read_colours(harmonic, first, count);
+            harmonic == 0 ? mean_coefficients(count) : coefficients(harmonic, count);
+            glm::uvec2* words = &words_[harmonic * kBlock];
+            const uint16_t *r = halves_[0].data(), *g = halves_[1].data(), *b = halves_[2].data();
+            for (size_t i = 0; i < count; ++i) words[i] = {uint32_t{r[i]} << 16, g[i] | uint32_t{b[i]} << 16};
+        }
+        const int16_t* opacity = &slice_.planes[stream::kOpacityPlane][first];
+        const uint32_t* entries = &layout_.entry_of_leaf[first];
+        const stream::Leaf* leaves = &slice_.leaves[first];
+        for (size_t i = 0; i < count; ++i) {
+            if (entries[i] == kNoLeaf) continue;
+            const size_t entry = size_t{layout_.entries_before[leaves[i].depth]} + entries[i];
+            glm::uvec2* to = to_ + entry * functions_;
+            const glm::uvec2* from = &words_[i];
+            *to = {from->x | sigma_.of(leaves[i].depth, opacity[i]), from->y};
+            for (uint32_t harmonic = 1; harmonic < functions_; ++harmonic) to[harmonic] = from[harmonic * kBlock];
+        }
+    }
+
+    // Pointers here, so that no access in the loops checks its index.
+    void read_colours(uint32_t harmonic, size_t first, size_t count) {
+        const auto* planes = &slice_.planes[stream::kFirstColourPlane + 3 * harmonic];
+        const int16_t *y = &planes[0][first], *co = &planes[1][first], *cg = &planes[2][first];
+        float *r = shown_[0].data(), *g = shown_[1].data(), *b = shown_[2].data();
+        for (size_t i = 0; i < count; ++i) {
+            const stream::Rgb rgb =
+                stream::rgb_of({static_cast<float>(y[i]), static_cast<float>(co[i]), static_cast<float>(cg[i])});
+            r[i] = rgb.r;
+            g[i] = rgb.g;
+            b[i] = rgb.b;
+        }
+    }
+    void mean_coefficients(size_t count) {
+        const uint16_t* of_half = voctree::colour_curves().constant_halves.data();
+        for (size_t c = 0; c < 3; ++c) {
+            const float* shown = shown_[c].data();
+            uint16_t *mean = mean_[c].data(), *halves = halves_[c].data();
+            for (size_t i = 0; i < count; ++i) mean[i] = static_cast<uint16_t>(voctree::colour_half(shown[i]));
+            for (size_t i = 0; i < count; ++i) halves[i] = of_half[mean[i]];
+        }
+    }
+    void coefficients(uint32_t harmonic, size_t count) {
+        const float* per_unit = voctree::colour_curves().per_unit[voctree::degree_of_harmonic(harmonic)].data();
+        for (size_t c = 0; c < 3; ++c) {
+            float* shown = shown_[c].data();
+            const uint16_t* mean = mean_[c].data();
+            uint16_t* halves = halves_[c].data();
+            for (size_t i = 0; i < count; ++i) shown[i] *= per_unit[mean[i]];
+            for (size_t i = 0; i < count; ++i) halves[i] = voctree::half_from_float(shown[i]);
+        }
+    }
+
+    const stream::Slice& slice_;
+    const SliceLayout& layout_;
+    const SigmaHalves& sigma_;
+    const uint32_t functions_;
+    glm::uvec2* const to_;
+    // Of a block:
+    std::array<Floats, 3> shown_;
+    std::array<Halves, 3> mean_, halves_;
+    std::array<glm::uvec2, kMaxShCount * kBlock> words_;  // harmonic after harmonic
+};
+
+void write_entries(const stream::Slice& slice, const SliceLayout& layout, glm::vec3 box_size, glm::uvec2* to) {
+    const TraceSpan span("write the entries of a slice");
+    const uint32_t functions = sh_count(slice.degree);
+    for (const SliceLayout::NodeEntry& one : layout.node_entries)
+        to[size_t{one.entry} * functions] = {kEntryIsNode, one.node};
+    const SigmaHalves sigma(slice.depth, box_size);
+    parallel_for(slice.leaves.size(), kLeavesOfPart,
+                 [&](size_t begin, size_t end) { EntryWriter(slice, layout, sigma, to).write(begin, end); });
+}
+
+void write_entry_leaves(const stream::Slice& slice, const SliceLayout& layout, uint32_t* to) {
+    for (const SliceLayout::NodeEntry& one : layout.node_entries) to[one.entry] = kNoLeaf;
+    for (uint32_t i = 0; i < slice.leaves.size(); ++i)
+        if (layout.entry_of_leaf[i] != kNoLeaf)
+            to[layout.entries_before[slice.leaves[i].depth] + layout.entry_of_leaf[i]] = i;
+}
+
+}  // namespace
+
+Field upload_slice(const gpu::Device& device, const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size) {
+    const TraceSpan span("upload a slice");
+    gpu::Uploads uploads(device);
+    Field field;
+    SliceLayout layout;
+    field.leaf_positions = uploads.add_written(
+        "leaf positions", sizeof(glm::uvec2) * slice.leaves.size(), VK_FORMAT_R32G32_UINT, [&](void* to) {
+            layout = slice_layout(slice, {static_cast<glm::uvec2*>(to), slice.leaves.size()});
+        });
+    field.box_min = box_min;
+    field.leaf_count = static_cast<uint32_t>(slice.leaves.size());
+    field.hh_degree = slice.degree;
+    set_shape(field, layout, box_size);
+    const std::vector<LiveCount> counts{{gpu::groups_of(layout.entries, kSliceGroup), 1, 1, layout.entries, 0}};
+    field.links = uploads.add("tree links", layout.top.cells, VK_FORMAT_R32_UINT);
+    field.node_cells = uploads.add("node cells", layout.inner_cells, VK_FORMAT_R32G32_UINT);
+    field.node_positions = uploads.add("node positions", layout.node_positions, VK_FORMAT_R32G32_UINT);
+    const uint64_t entry_bytes = sizeof(glm::uvec2) * sh_count(slice.degree);
+    SliceBuffers built{
+        uploads.add("slice nodes", layout.nodes, VK_FORMAT_R32G32B32A32_UINT),
+        uploads.add_written("slice entries", entry_bytes * layout.entries, VK_FORMAT_R32G32_UINT,
+                            [&](void* to) { write_entries(slice, layout, box_size, static_cast<glm::uvec2*>(to)); }),
+        uploads.add_written("leaves of entries", sizeof(uint32_t) * layout.entries, VK_FORMAT_R32_UINT,
+                            [&](void* to) { write_entry_leaves(slice, layout, static_cast<uint32_t*>(to)); }),
+        uploads.add("counts of entries", counts, VK_FORMAT_UNDEFINED)};
+    field.slice = std::make_shared<const SliceTrees>(device, std::move(built), field.node_count(), layout.entries);
+    uploads.finish();
+    return field;
+}
+
+}  // namespace neuvv::render

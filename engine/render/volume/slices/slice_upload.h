@@ -1,0 +1,15 @@
+// The straight path: the slice of a stream's frame goes to the device as the slice tree that rays walk. There are no
+// weights, and no passes that slice.
+#pragma once
+
+#include "render/volume/slices/slice_tree.h"
+#include "stream/quantised_slice.h"
+
+namespace neuvv::render {
+
+// The slice as a field of one frame, with Field::slice and without weights: it can be drawn and picked in, but neither
+// painted, nor drawn by the direct path. Leaves without opacity are left out. Throws RuntimeFailure where the device
+// lacks memory or a limit is exceeded.
+Field upload_slice(const gpu::Device& device, const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size);
+
+}  // namespace neuvv::render
