@@ -23,7 +23,7 @@ struct GroupCost {
 };
 
 // What is done for each frame besides decoding its planes. It takes the same time whichever parts are decoded.
-enum class FrameStep { kShape, kTree, kUpload, kCount };
+enum class FrameStep { kShape, kUpload, kCount };
 
 // Learns how long frames take until they can be drawn, and chooses by that and by how fast bytes come. It takes all
 // frames for independent, but those of a key frame are decoded one after the other. Any thread may call its functions.

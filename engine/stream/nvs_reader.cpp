@@ -111,6 +111,14 @@ void Reader::read_ahead_locked(uint32_t frame, Part last) {
     source_->read_ahead(ranges);
 }
 
+// How many frames of a group are kept, by what the largest of them takes.
+size_t Reader::kept_of(uint32_t group) const {
+    const Format& format = index_.groups[group].format;
+    const uint64_t leaf_bytes = 2 * sizeof(Leaf) + sizeof(int16_t) * planes_of(format.degree);  // in shape and slice
+    const uint64_t frame_bytes = std::max<uint64_t>(format.most_leaves, 1) * leaf_bytes;
+    return static_cast<size_t>(std::clamp<uint64_t>(kKeptBytes / frame_bytes, kLeastKept, kMostKept));
+}
+
 // `before` is the frame before it; null: it is a key frame.
 std::shared_ptr<Reader::FrameInProgress> Reader::begin_next_locked(uint32_t frame, Part last,
                                                                    const std::shared_ptr<FrameInProgress>& before) {
@@ -120,13 +128,13 @@ std::shared_ptr<Reader::FrameInProgress> Reader::begin_next_locked(uint32_t fram
     begun->last = last;
     begun->tables = tables_locked(begun->group);
     begun->before = before;
-    if (kept_.size() == kKept) kept_.erase(kept_.begin());
+    while (kept_.size() >= kept_of(begun->group)) kept_.erase(kept_.begin());
     kept_.push_back(begun);
     return begun;
 }
 
-// Begins the frame, or the one of those before it that is kKept behind `known`, which is a frame that was begun for the
-// same frame and parts; null: none was. Frames that are known are not begun again.
+// Begins the frame, or one before it, so that no more frames are begun behind `known` than are kept. `known` is a frame
+// that was begun for the same frame and parts; null: none was. Frames that are known are not begun again.
 std::shared_ptr<Reader::FrameInProgress> Reader::begin_towards(uint32_t frame, Part last,
                                                                std::shared_ptr<FrameInProgress> known) {
     const std::lock_guard lock(mutex_);
@@ -136,7 +144,7 @@ std::shared_ptr<Reader::FrameInProgress> Reader::begin_towards(uint32_t frame, P
             known = one;
             next = one->frame + 1;
         }
-    const uint64_t end = std::min<uint64_t>(uint64_t{frame} + 1, uint64_t{next} + kKept);
+    const uint64_t end = std::min<uint64_t>(uint64_t{frame} + 1, uint64_t{next} + kept_of(index_.group_of(frame)));
     for (; next < end; ++next) known = begin_next_locked(next, last, known);
     return known;
 }

@@ -34,11 +34,13 @@ class Reader {
     // Ends what waits for a server, in all threads and from now on (ServerProblem).
     void cancel();
 
-    // The frame, decoded from its first parts. Frames that were read last are kept, kKept of them. Of the frames from
-    // the key frame on, or the last that is kept, the shapes are decoded; the planes only where the frame repeats some.
-    // Threads read bytes one at a time, and decode without waiting for each other unless their frames depend on the
-    // same key frame.
-    static constexpr size_t kKept = 16;
+    // The frame, decoded from its first parts. Frames that were read last are kept: as many as take kKeptBytes, but at
+    // least kLeastKept, as others repeat them, and at most kMostKept, as who plays backwards needs them. Of the frames
+    // from the key frame on, or the last that is kept, the shapes are decoded; the planes only where the frame repeats
+    // some. Threads read bytes one at a time, and decode without waiting for each other unless their frames depend on
+    // the same key frame.
+    static constexpr size_t kLeastKept = 4, kMostKept = 16;
+    static constexpr uint64_t kKeptBytes = uint64_t{128} << 20;
     // From a server, the bytes of the frames of so many seconds behind it are fetched meanwhile.
     static constexpr double kAhead_s = 3;
     std::shared_ptr<const Slice> frame(uint32_t frame, Part last = kShFine);
@@ -47,8 +49,8 @@ class Reader {
     // frames of a group for so many seconds and twice the group's length; then it is chosen anew.
     static constexpr double kLeastChoice_s = 1;
     Part part_in_time(uint32_t frame);
-    // What a step behind the decoder took for a frame, by which part_in_time() chooses, too.
-    void learn_step(FrameStep step, double seconds) { ladder_.learn_step(step, seconds); }
+    // What it took to bring a decoded frame to the device, by which part_in_time() chooses, too.
+    void learn_upload(double seconds) { ladder_.learn_step(FrameStep::kUpload, seconds); }
 
   private:
     // A frame that is being decoded: first its shape, for which that of the frame before must be known, then its
@@ -70,6 +72,7 @@ class Reader {
     std::vector<uint8_t> part_locked(uint32_t frame, Part part);
     std::shared_ptr<const Tables> tables_locked(uint32_t group);
     void read_ahead_locked(uint32_t frame, Part last);
+    size_t kept_of(uint32_t group) const;
     std::shared_ptr<FrameInProgress> begin_next_locked(uint32_t frame, Part last,
                                                        const std::shared_ptr<FrameInProgress>& before);
     std::shared_ptr<FrameInProgress> begin_towards(uint32_t frame, Part last, std::shared_ptr<FrameInProgress> known);

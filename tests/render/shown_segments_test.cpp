@@ -1,5 +1,6 @@
 // Which segments of a clip are read, and which stay on the device.
 #include "render/clips/shown_segments.h"
+#include "render/clips/uploaded_segment.h"
 
 #include <gtest/gtest.h>
 
@@ -32,9 +33,9 @@ struct ShownSegmentsTest : GpuTest {
     render::ShownSegments keeping(uint64_t bytes) {
         return render::ShownSegments(
             clip,
-            [this](const voctree::VOctree& tree, uint32_t segment) {
+            [this](const voctree::ClipSegment& file, uint32_t segment) {
                 read.push_back(segment);
-                return render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+                return render::upload_segment(device(), file, render::FarLevels::kNo).field;
             },
             bytes);
     }
@@ -86,13 +87,13 @@ TEST_F(ShownSegmentsTest, MemoryThatIsNeededIsGivenUp) {
     size_t refused = 0;
     render::ShownSegments shown(
         clip,
-        [&](const voctree::VOctree& tree, uint32_t segment) {
+        [&](const voctree::ClipSegment& file, uint32_t segment) {
             read.push_back(segment);
             if (std::exchange(is_full, false)) {
                 ++refused;
                 throw gpu::VulkanError(VK_ERROR_OUT_OF_DEVICE_MEMORY, "a field");
             }
-            return render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+            return render::upload_segment(device(), file, render::FarLevels::kNo).field;
         },
         UINT64_MAX);
     show(shown, {0, 1, 2});

@@ -44,9 +44,8 @@ TEST(Ladder, CountsWhatIsDoneBehindTheDecoder) {
     ladder.learn_planes(80'000, 0.1);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
     const double time_s = stream::frames_at_once() * 0.5 * 0.8;
-    for (const stream::FrameStep step :
-         {stream::FrameStep::kShape, stream::FrameStep::kTree, stream::FrameStep::kUpload})
-        ladder.learn_step(step, (time_s - 0.09) / 10 / 3);
+    for (const stream::FrameStep step : {stream::FrameStep::kShape, stream::FrameStep::kUpload})
+        ladder.learn_step(step, (time_s - 0.09) / 10 / 2);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kFine);
     for (int i = 0; i < 100; ++i) ladder.learn_step(stream::FrameStep::kUpload, time_s);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kCoarse);

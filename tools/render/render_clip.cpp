@@ -14,6 +14,7 @@
 #include "media/image_sink.h"
 #include "render/clips/segment_paint.h"
 #include "render/clips/shown_segments.h"
+#include "render/clips/uploaded_segment.h"
 #include "render/frame/frame_passes.h"
 #include "render/rays/linear_image.h"
 #include "render/volume/reference_paths.h"
@@ -205,9 +206,10 @@ class PlayingRenderer {
           plan_(plan),
           segments_(
               plan.clip,
-              [&](const voctree::VOctree& tree, uint32_t segment) {
-                  paints_[segment] = {load_paint(segment, voctree::painted_field(tree)), 0};
-                  return render::upload_far_levels(device, tree);
+              [&](const voctree::ClipSegment& segment, uint32_t number) {
+                  render::UploadedSegment uploaded = render::upload_segment(device, segment);
+                  paints_[number] = {load_paint(number, uploaded.painted), 0};
+                  return std::move(uploaded.field);
               },
               kept_bytes(device)) {}
 
@@ -284,8 +286,9 @@ class PlayingRenderer {
 class DirectRenderer {
   public:
     DirectRenderer(const gpu::Device& device, const RenderPlan& plan)
-        : device_(device), plan_(plan), segments_(plan.clip, [&](const voctree::VOctree& tree, uint32_t) {
-              return render::upload_far_levels(device, tree);
+        : device_(device), plan_(plan), segments_(plan.clip, [&](const voctree::ClipSegment& segment, uint32_t) {
+              // A frame of a stream, too, has weights for it.
+              return render::upload_field(device, voctree::read_shown_segment(segment), render::WeightPrecision::kHalf);
           }) {}
 
     FrameTimes render(uint32_t i, media::ImageSink& sink) {

@@ -10,8 +10,8 @@
 #include "base/formats/json.h"
 #include "edit/operations.h"
 #include "gpu/device.h"
-#include "render/clips/clip_files.h"
 #include "render/clips/light_status.h"
+#include "render/clips/uploaded_segment.h"
 #include "render/frame/frame_renderer.h"
 #include "stage/camera_path_json.h"
 #include "stage/evaluated_stage.h"
@@ -49,7 +49,7 @@ std::vector<ClipMemory> measure_memory(const stage::Stage& stage, const StageInf
         ClipMemory memory;
         for (const voctree::ClipSegment& segment : voctree::read_clip_index(clip.path).segments) {
             const uint64_t before = device.buffer_bytes();
-            const render::Field field = render::upload_segment(device, segment, voctree::read_shown_segment(segment));
+            const render::Field field = render::upload_segment(device, segment).field;
             memory.field_bytes += device.buffer_bytes() - before;
             const uint64_t share = render::slice_share(budget, fields);
             memory.slice_bytes += slice_bytes_of(device, field, share);

@@ -8,6 +8,7 @@
 
 #include "media/psnr.h"
 #include "render/clips/shown_segments.h"
+#include "render/clips/uploaded_segment.h"
 #include "render/frame/frame_renderer.h"
 #include "training/data/layouts/rig/camera_names.h"
 #include "voctree/files/clip.h"
@@ -209,8 +210,8 @@ Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, con
 Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset,
                     const CompareSettings& settings, const ViewCallback& done) {
     Comparison comparison(dataset, settings, done);
-    render::ShownSegments shown(clip, [&](const voctree::VOctree& tree, uint32_t) {
-        return render::upload_field(device, tree, render::WeightPrecision::kHalf);
+    render::ShownSegments shown(clip, [&](const voctree::ClipSegment& segment, uint32_t) {
+        return render::upload_segment(device, segment, render::FarLevels::kNo).field;
     });
     std::optional<render::FrameRenderer> renderer;
     const auto use = [&](const std::vector<const render::Field*>& fields) {

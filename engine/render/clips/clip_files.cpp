@@ -5,33 +5,11 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/seconds.h"
 #include "base/trace_file.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/nvv.h"
 
 namespace neuvv::render {
-
-Field upload_segment(const gpu::Device& device, const voctree::ClipSegment& segment, const voctree::VOctree& tree) {
-    if (!segment.stream) return upload_far_levels(device, tree);
-    const double begin_s = seconds_now();
-    Field field = upload_field(device, tree, WeightPrecision::kHalf);
-    segment.stream->learn_step(stream::FrameStep::kUpload, seconds_now() - begin_s);
-    return field;
-}
-
-namespace {
-
-// Of a stream, which cannot be painted, no hash is computed.
-voctree::PaintedField painted_field_of(const voctree::ClipSegment& segment, const voctree::VOctree& tree) {
-    return segment.stream ? voctree::PaintedField{} : voctree::painted_field(tree);
-}
-
-}  // namespace
-
-std::shared_ptr<const voctree::SolidLeaves> ClipFiles::solid_leaves_of(const voctree::VOctree& tree) const {
-    return solid_ == SolidParts::kYes ? std::make_shared<const voctree::SolidLeaves>(tree) : nullptr;
-}
 
 ClipFiles::~ClipFiles() {
     {
@@ -84,10 +62,8 @@ std::shared_ptr<const LoadedClip> ClipFiles::read_once(const voctree::ClipSegmen
     if (auto known = begin_reading(segment, stamp)) return known;
     try {
         const TraceSpan span("read a segment of frame", segment.first);
-        const voctree::VOctree tree = voctree::read_shown_segment(segment);
-        auto clip =
-            std::make_shared<const LoadedClip>(LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree),
-                                                          painted_field_of(segment, tree), solid_leaves_of(tree)});
+        auto clip = std::make_shared<const LoadedClip>(
+            LoadedClip{upload_segment(device_, segment, FarLevels::kYes, solid_), segment.file, stamp});
         end_reading(segment, clip);
         return clip;
     } catch (...) {
@@ -184,16 +160,10 @@ void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
     try {
         const auto tree = voctree::read_nvv_coarse(segment.file);
         if (!tree || tree->frames != segment.frames_of_file()) return;
-        add_result({segment.file,
-                    stamp,
-                    std::make_shared<const LoadedClip>(LoadedClip{segment.file,
-                                                                  stamp,
-                                                                  upload_field(device_, *tree, WeightPrecision::kHalf),
-                                                                  {},
-                                                                  solid_leaves_of(*tree)}),
-                    "",
-                    true,
-                    {}});
+        UploadedSegment coarse{upload_field(device_, *tree, WeightPrecision::kHalf), {}, nullptr};
+        if (solid_ == SolidParts::kYes) coarse.solid = std::make_shared<const voctree::SolidLeaves>(*tree);
+        auto clip = std::make_shared<const LoadedClip>(LoadedClip{std::move(coarse), segment.file, stamp});
+        add_result({segment.file, stamp, std::move(clip), "", true, {}});
     } catch (const InputError&) {
     }
 }
@@ -209,9 +179,8 @@ bool ClipFiles::read_in_time(const voctree::ClipSegment& segment) {
     }
     try {
         const TraceSpan span("read a part of frame", segment.first);
-        const voctree::VOctree tree = voctree::read_shown_segment(segment, last);
         auto clip = std::make_shared<const LoadedClip>(
-            LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree), {}, solid_leaves_of(tree)});
+            LoadedClip{upload_segment(device_, segment, FarLevels::kYes, solid_, last), segment.file, stamp});
         add_result({segment.file, stamp, std::move(clip), "", true, {}});
     } catch (...) {
         end_reading(segment, nullptr);

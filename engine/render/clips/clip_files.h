@@ -14,28 +14,15 @@
 
 #include "base/file_stamp.h"
 #include "render/clips/segment_paint.h"
-#include "render/volume/field_levels.h"
-#include "voctree/edit_layer.h"
-#include "voctree/files/clip_index.h"
-#include "voctree/files/solid_leaves.h"
+#include "render/clips/uploaded_segment.h"
 
 namespace neuvv::render {
 
 // A clip's file on the device; of a segmented clip, that of a segment.
-struct LoadedClip {
+struct LoadedClip : UploadedSegment {
     std::filesystem::path path;
     FileStamp stamp;
-    Field field;
-    voctree::PaintedField painted;                      // nothing of a frame of a stream, which has no paint
-    std::shared_ptr<const voctree::SolidLeaves> solid;  // of the file, needs no device; null without SolidParts::kYes
 };
-
-// Whether to find the solid parts of each file, which takes a tenth of the time in which a frame of a stream is read.
-enum class SolidParts { kNo, kYes };
-
-// A segment on the device, as stages show it: with far levels, but for frames of streams, because to merge leaves would
-// take longer than a frame is shown.
-Field upload_segment(const gpu::Device& device, const voctree::ClipSegment& segment, const voctree::VOctree& tree);
 
 // All functions may be called from any thread.
 class ClipFiles {
@@ -104,7 +91,6 @@ class ClipFiles {
     // The next that is wanted and nobody reads.
     std::deque<Wanted>::iterator next_locked(bool streams);
     void run(bool streams);
-    std::shared_ptr<const voctree::SolidLeaves> solid_leaves_of(const voctree::VOctree& tree) const;
     const gpu::Device& device_;
     const SolidParts solid_;
     std::mutex mutex_;  // guards all that follows

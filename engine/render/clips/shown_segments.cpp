@@ -43,15 +43,14 @@ void ShownSegments::drop_beyond(uint64_t bytes, const std::vector<uint32_t>& wan
 // Where the device has no memory, those that are only kept are dropped.
 std::unique_ptr<const Field> ShownSegments::upload(uint32_t segment, const std::vector<uint32_t>& wanted,
                                                    const Changed& changed) {
-    const voctree::VOctree tree = voctree::read_shown_segment(clip_.segments[segment]);
     try {
-        return std::make_unique<const Field>(upload_(tree, segment));
+        return std::make_unique<const Field>(upload_(clip_.segments[segment], segment));
     } catch (const gpu::VulkanError& error) {
         if (!error.out_of_memory() || kept_bytes_ == 0) throw;
     }
     kept_bytes_ = 0;  // from now on
     drop_beyond(0, wanted, changed);
-    return std::make_unique<const Field>(upload_(tree, segment));
+    return std::make_unique<const Field>(upload_(clip_.segments[segment], segment));
 }
 
 std::vector<Instance> ShownSegments::show(const std::vector<voctree::SegmentShare>& shares, const Changed& changed) {

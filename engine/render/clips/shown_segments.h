@@ -17,8 +17,8 @@ namespace neuvv::render {
 
 class ShownSegments {
   public:
-    // Gets a tree and the number of its segment.
-    using Upload = std::function<Field(const voctree::VOctree&, uint32_t)>;
+    // Reads a segment, by its number too, and uploads it (upload_segment).
+    using Upload = std::function<Field(const voctree::ClipSegment&, uint32_t)>;
     // Gets the fields to draw from now on, as long as those of the call before still exist.
     using Changed = std::function<void(const std::vector<const Field*>&)>;
 

@@ -105,16 +105,17 @@ NvvHeader header_of_frame(const ClipSegment& segment) {
 
 }  // namespace
 
+FrameSlice read_slice(const ClipSegment& frame, stream::Part last) {
+    const stream::Group& group = group_of(frame);
+    return {frame.stream->frame(frame.first, last), vector_of(group.box_min), vector_of(group.box_size)};
+}
+
 VOctree read_segment(const ClipSegment& segment, stream::Part last, PlenoctreeColours colours) {
     if (segment.stream) {
         keep_freed_memory();  // a frame has tens of megabytes of arrays, which take as long to clear as to fill
-        const auto slice = segment.stream->frame(segment.first, last);
+        const FrameSlice frame = read_slice(segment, last);
         const TraceSpan span("make the tree of frame", segment.first);
-        const double begin_s = seconds_now();
-        VOctree tree = tree_of(*slice, vector_of(group_of(segment).box_min), vector_of(group_of(segment).box_size),
-                               segment.stream->index().fps);
-        segment.stream->learn_step(stream::FrameStep::kTree, seconds_now() - begin_s);
-        return tree;
+        return tree_of(*frame.slice, frame.box_min, frame.box_size, segment.stream->index().fps);
     }
     VOctree tree = read_clip(segment.file, colours, segment.up);
     require_frames(segment, tree.frames);

@@ -43,6 +43,14 @@ inline VOctree read_shown_segment(const ClipSegment& segment, stream::Part last 
     return read_segment(segment, last, PlenoctreeColours::kAsStored);
 }
 
+// What a stream shows at one of its frames, decoded from its first parts, in a box in metres. Throws InputError and
+// stream::ServerProblem where the reader does.
+struct FrameSlice {
+    std::shared_ptr<const stream::Slice> slice;
+    glm::vec3 box_min, box_size;
+};
+FrameSlice read_slice(const ClipSegment& frame, stream::Part last = stream::kShFine);
+
 // The header of a segment of a segmented clip, without its leaves. Throws InputError where the file's headers are
 // damaged, and where it has not as many frames as the index says.
 NvvHeader read_segment_header(const ClipSegment& segment);

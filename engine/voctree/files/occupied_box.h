@@ -11,6 +11,9 @@ namespace neuvv::voctree {
 // Minimum and maximum corner of the box around the tree's leaves, in metres; of the tree's own box where it has no
 // leaf.
 std::pair<glm::dvec3, glm::dvec3> occupied_box(const VOctree& tree);
+// The same of leaves in a box, metres.
+std::pair<glm::dvec3, glm::dvec3> occupied_box(const std::vector<LeafPosition>& leaves, glm::vec3 box_min,
+                                               glm::vec3 box_size);
 
 // The same of a whole clip: around the leaves of at most eight of its segments, at equal steps, that can be read. Where
 // a file has a coarse tree, that alone is read, whose leaves are larger. Of a stream, key frames are read, and the box

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "voctree/files/occupied_box.h"
+#include "voctree/slice_values.h"
 #include "voctree/temporal_basis.h"
 
 namespace neuvv::voctree {
@@ -50,25 +51,49 @@ struct Profile {
     }
 };
 
+size_t step_of(size_t leaves) {
+    return std::max<size_t>(1, (leaves + kMaxSolidLeaves - 1) / kMaxSolidLeaves);
+}
+
 }  // namespace
 
-SolidLeaves::SolidLeaves(const VOctree& tree) : rows_(tree.sigma_basis), bases_(tree.bases), frames_(tree.frames) {
+SolidLeaves::SolidLeaves(const VOctree& tree)
+    : box_min_(tree.box_min),
+      box_size_(tree.box_size),
+      rows_(tree.sigma_basis),
+      bases_(tree.bases),
+      frames_(tree.frames) {
     std::tie(all_low_, all_high_) = occupied_box(tree);
     const std::vector<LeafPosition> positions = leaf_positions(tree);
-    const size_t step = std::max<size_t>(1, (positions.size() + kMaxSolidLeaves - 1) / kMaxSolidLeaves);
+    const size_t step = step_of(positions.size());
+    for (size_t i = 0; i < positions.size(); i += step) add(positions[i], tree.leaf(static_cast<uint32_t>(i)));
+}
+
+SolidLeaves::SolidLeaves(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size)
+    : box_min_(box_min), box_size_(box_size), rows_{1}, bases_(1) {
+    std::vector<LeafPosition> positions;
+    positions.reserve(slice.leaves.size());
+    for (const stream::Leaf& leaf : slice.leaves)
+        positions.push_back(position_of(leaf.cell >> 3 * (slice.depth - leaf.depth), leaf.depth));
+    std::tie(all_low_, all_high_) = occupied_box(positions, box_min, box_size);
+    const size_t step = step_of(positions.size());
     for (size_t i = 0; i < positions.size(); i += step) {
-        const LeafPosition& position = positions[i];
-        const double edge = std::ldexp(1.0, -static_cast<int>(position.depth));
-        const glm::dvec3 size = edge * glm::dvec3(tree.box_size),
-                         low = glm::dvec3(tree.box_min) + size * glm::dvec3(position.x, position.y, position.z);
-        for (int axis = 0; axis < 3; ++axis) {
-            low_.push_back(static_cast<float>(low[axis]));
-            high_.push_back(static_cast<float>(low[axis] + size[axis]));
-        }
-        edges_m_.push_back(leaf_edge_m(tree, position.depth));
-        const float* weights = tree.leaf(static_cast<uint32_t>(i));
-        weights_.insert(weights_.end(), weights, weights + bases_);
+        const float edge_m =
+            std::ldexp((box_size.x + box_size.y + box_size.z) / 3, -static_cast<int>(positions[i].depth));
+        const float sigma = optical_depth_of(slice.planes[stream::kOpacityPlane][i]) / edge_m;
+        add(positions[i], &sigma);
     }
+}
+
+void SolidLeaves::add(const LeafPosition& position, const float* weights) {
+    const glm::dvec3 size = std::ldexp(1.0, -static_cast<int>(position.depth)) * box_size_,
+                     low = box_min_ + size * glm::dvec3(position.x, position.y, position.z);
+    for (int axis = 0; axis < 3; ++axis) {
+        low_.push_back(static_cast<float>(low[axis]));
+        high_.push_back(static_cast<float>(low[axis] + size[axis]));
+    }
+    edges_m_.push_back(static_cast<float>((size.x + size.y + size.z) / 3));
+    weights_.insert(weights_.end(), weights, weights + bases_);
 }
 
 // Per leaf the area that it hides, square metres.

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "stream/quantised_slice.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::voctree {
@@ -17,6 +18,8 @@ constexpr uint32_t kMaxSolidLeaves = 1u << 15;
 class SolidLeaves {
   public:
     explicit SolidLeaves(const VOctree& tree);
+    // Of a slice in a box, metres.
+    SolidLeaves(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size);
 
     // The corners (low, high, metres) of the box around what is solid at a frame, 0..frames−1, fractions allowed. A
     // leaf counts by the area that it hides: its opacity along its edge times the square of the edge. Along each axis
@@ -27,6 +30,8 @@ class SolidLeaves {
 
   private:
     std::vector<float> areas_at(double frame) const;
+    void add(const LeafPosition& position, const float* weights);
+    glm::dvec3 box_min_, box_size_;  // metres
     std::vector<float> low_, high_;  // per leaf: three coordinates, metres
     std::vector<float> edges_m_;     // per leaf
     std::vector<float> weights_;     // per leaf: w^σ

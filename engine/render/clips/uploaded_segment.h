@@ -1,0 +1,30 @@
+// A segment of a clip, or a frame of a stream, on the device in the form in which players draw it.
+#pragma once
+
+#include <memory>
+
+#include "render/volume/field_levels.h"
+#include "voctree/edit_layer.h"
+#include "voctree/files/clip_index.h"
+#include "voctree/files/solid_leaves.h"
+
+namespace neuvv::render {
+
+// Whether to find the solid parts of each file, which takes a tenth of the time in which a frame of a stream is read.
+enum class SolidParts { kNo, kYes };
+
+struct UploadedSegment {
+    Field field;
+    voctree::PaintedField painted;                      // nothing of a frame of a stream, which has no paint
+    std::shared_ptr<const voctree::SolidLeaves> solid;  // of the file, needs no device; null without SolidParts::kYes
+};
+
+// Reads a segment and uploads it. A file gets far levels, unless without `far`; a frame of a stream has none, because
+// to merge leaves would take longer than the frame is shown, and is decoded from its first parts. Throws InputError as
+// voctree::read_segment does, and RuntimeFailure where the device has no memory.
+enum class FarLevels { kNo, kYes };
+UploadedSegment upload_segment(const gpu::Device& device, const voctree::ClipSegment& segment,
+                               FarLevels far = FarLevels::kYes, SolidParts solid = SolidParts::kNo,
+                               stream::Part last = stream::kShFine);
+
+}  // namespace neuvv::render
