@@ -440,7 +440,7 @@ TEST_F(StageClipsTest, AStreamPlaysFrameByFrame) {
         const auto place = follower.at(frame * frame_s, MissingSegments::kWait);
         ASSERT_TRUE(place);
         EXPECT_EQ(place->field, follower.field_of(frame)) << frame;
-        EXPECT_LE(follower.clips.fields().size(), render::kStreamFramesOnDevice);
+        EXPECT_LE(follower.clips.fields().size(), render::kMostStreamFrames);
     }
     EXPECT_EQ(follower.clips.problems().size(), 0u);
     render::StageRenderer renderer(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});

@@ -25,7 +25,10 @@ const LoadedClip* drawn(const ClipOnDevice::Segment& segment) {
 
 // How many segments of a clip are on the device at once.
 uint32_t room_of(const ClipOnDevice& clip) {
-    return voctree::is_stream(clip.index) ? kStreamFramesOnDevice : kSegmentsOnDevice;
+    if (!voctree::is_stream(clip.index)) return kSegmentsOnDevice;
+    const uint64_t bytes = clip.first ? device_bytes(clip.first->field) : 0;
+    return static_cast<uint32_t>(std::clamp<uint64_t>(kStreamBytesOnDevice / std::max<uint64_t>(bytes, 1),
+                                                      kLeastStreamFrames, kMostStreamFrames));
 }
 
 bool contains(const auto& list, const auto& one) {
@@ -224,7 +227,7 @@ std::vector<StageClips::Id> StageClips::ahead_of(const stage::Stage& stage,
         const double frame_s = 1 / double{clip.index.fps};
         if (is_stream) step_s = std::min(step_s, frame_s);
         // Of a stream, no more than there is room for.
-        until_s = std::max(until_s, is_stream ? std::min(kAhead_s, kStreamFramesOnDevice * frame_s) : kAhead_s);
+        until_s = std::max(until_s, is_stream ? std::min(kAhead_s, room_of(clip) * frame_s) : kAhead_s);
     }
     step_s = std::max(step_s, kLeastStep_s);
     for (double after_s = step_s; after_s <= until_s; after_s += step_s)

@@ -20,9 +20,10 @@ enum class MissingSegments {
     kHold,
 };
 
-// Segments of a segmented clip, and frames of a stream, that are on the device at once; where performers show more than
-// all but two of them, two more than those.
-constexpr uint32_t kSegmentsOnDevice = 5, kStreamFramesOnDevice = 10, kLeastSegmentsAhead = 2;
+// Segments of a segmented clip that are on the device at once, and frames of a stream: as many as take so many bytes,
+// between a least and a most number. Where performers show more than all but two of them, two more than those.
+constexpr uint32_t kSegmentsOnDevice = 5, kLeastStreamFrames = 4, kMostStreamFrames = 10, kLeastSegmentsAhead = 2;
+constexpr uint64_t kStreamBytesOnDevice = uint64_t{96} << 20;
 
 // Whoever draws fields() must call follow(), then draw the fields that there are now, and then call free_dropped().
 class StageClips {
