@@ -26,8 +26,8 @@ nlohmann::json json_of(std::vector<std::string> command, const std::vector<std::
 
 TEST(Bench, EveryVerbHelpsWithExamples) {
     const std::string overview = run_neuvv({"--help"}).out;
-    for (const char* verb : {"open", "render", "walk", "slice", "stereo", "instances", "far", "stage", "play", "xr",
-                             "train", "team", "edit", "coach"}) {
+    for (const char* verb : {"open", "render", "walk", "slice", "stream", "stereo", "instances", "far", "stage", "play",
+                             "xr", "train", "team", "edit", "coach"}) {
         EXPECT_NE(overview.find(verb), std::string::npos) << verb;
         const ProgramResult result = run_neuvv({verb, "--help"});
         EXPECT_EQ(result.code, 0) << verb;
@@ -147,6 +147,17 @@ TEST_F(CliGpu, BenchPlayCountsFramesAndSeeks) {
     EXPECT_GT(json["seek_ms"], 0.0);
     EXPECT_GT(json["late_bytes"], 0);
     expect_refused({"play", file("parts.nvv"), "--seconds", "0"}, 2, {"--seconds"});
+}
+
+TEST_F(CliGpu, BenchStreamMeasuresBothWays) {
+    const std::string stream = NEUVV_SOURCE_DIR "/tests/stream/vectors/usual.nvs";
+    expect_words({"stream", stream}, {"bytes to slice", "slice to device", "by weights", "of the device"});
+    const nlohmann::json json = json_of({"stream", stream, "--frames", "2"});
+    EXPECT_GT(json["leaves"], 0);
+    EXPECT_GE(json["straight_ms"], json["upload_ms"]);
+    EXPECT_GE(json["by_tree_ms"], json["slice_ms"]);
+    EXPECT_GT(json["device_bytes"], 0);
+    expect_refused({"stream", scene}, 2, {"is no stream", "publish"});
 }
 
 TEST_F(CliGpu, BenchFarComparesLevels) {

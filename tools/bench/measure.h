@@ -122,6 +122,7 @@ void add_frame_times(const FrameTimes& times, nlohmann::ordered_json& facts);
 void add_open(tools::Command app, const tools::CommonOptions& common);
 void add_render(tools::Command app, const tools::CommonOptions& common);
 void add_slice(tools::Command app, const tools::CommonOptions& common);
+void add_stream(tools::Command app, const tools::CommonOptions& common);
 void add_walk(tools::Command app, const tools::CommonOptions& common);
 void add_instances(tools::Command app, const tools::CommonOptions& common);
 void add_stereo(tools::Command app, const tools::CommonOptions& common);

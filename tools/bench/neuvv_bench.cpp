@@ -9,8 +9,8 @@ int main(int argc, char** argv) {
         "neuvv-bench", "Measure how fast NeuVV runs on a device, beside the references that it is compared with.",
         NEUVV_VERSION NEUVV_COMMIT, common);
     neuvv::tools::Command app = program.command();
-    for (const auto add : {add_open, add_render, add_slice, add_walk, add_instances, add_far, add_stereo, add_stage,
-                           add_play, add_xr, add_train, add_team, add_edit, add_coach})
+    for (const auto add : {add_open, add_render, add_slice, add_stream, add_walk, add_instances, add_far, add_stereo,
+                           add_stage, add_play, add_xr, add_train, add_team, add_edit, add_coach})
         add(app, common);
     app.footer(
         {"Exit code: 0, 1 (failure), 2 (bad input). `neuvv-bench VERB --help` tells more.\n\n"
