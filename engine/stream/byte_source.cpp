@@ -1,6 +1,7 @@
 #include "stream/byte_source.h"
 
 #include <fstream>
+#include <mutex>
 
 #include "base/error.h"
 #include "base/platform.h"
@@ -20,6 +21,7 @@ class FileSource : public ByteSource {
     }
     std::vector<uint8_t> read(uint64_t offset, uint64_t count) override {
         std::vector<uint8_t> bytes(count);
+        const std::lock_guard lock(mutex_);
         file_.clear();
         file_.seekg(static_cast<std::streamoff>(offset));
         file_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
@@ -29,6 +31,7 @@ class FileSource : public ByteSource {
 
   private:
     std::filesystem::path path_;
+    std::mutex mutex_;  // guards the file and its place
     std::ifstream file_;
 };
 

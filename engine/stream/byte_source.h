@@ -24,7 +24,7 @@ class ServerProblem : public InputError {
     using InputError::InputError;
 };
 
-// Any thread may call its functions, one at a time.
+// Any thread may call its functions; who reads what is here does not wait for who reads what has to come.
 class ByteSource {
   public:
     virtual ~ByteSource() = default;

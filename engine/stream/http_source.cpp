@@ -303,7 +303,7 @@ void HttpSource::run() {
         Blocks next;
         bool is_needed = false;
         changed_.wait(lock, [&] {
-            next = failure_ ? Blocks{} : missing_locked(needed_);
+            next = missing_needed_locked();
             is_needed = next.count() > 0;
             if (!is_needed) next = missing_ahead_locked();
             return stop_ || next.count() > 0;
@@ -325,7 +325,9 @@ void HttpSource::run() {
         if (failure) {
             if (!is_needed) ahead_ = {};
             // Who waits for what was fetched ahead need not wait as long again.
-            if (is_needed || missing_locked(needed_).first == next.first) failure_ = failure;
+            for (Need* need : needs_)
+                if (const Blocks missing = missing_locked(need->blocks); missing.count() > 0)
+                    if (missing.first == next.first) need->failure = failure;
         } else {
             keep_locked(next.first, bytes);
             measure_locked(bytes.size(), seconds_now() - begin_s);
@@ -366,6 +368,13 @@ void HttpSource::read_ahead(const std::vector<ByteRange>& ranges) {
     changed_.notify_all();
 }
 
+// Of what is waited for, and may still come: the first blocks that are not here.
+HttpSource::Blocks HttpSource::missing_needed_locked() const {
+    for (const Need* need : needs_)
+        if (const Blocks missing = missing_locked(need->blocks); !need->failure && missing.count() > 0) return missing;
+    return {};
+}
+
 // Of what is read next: the first blocks that are not here.
 HttpSource::Blocks HttpSource::missing_ahead_locked() const {
     for (const Blocks& blocks : ahead_)
@@ -391,27 +400,30 @@ std::vector<uint8_t> HttpSource::read(uint64_t offset, uint64_t count) {
     std::vector<uint8_t> bytes;
     if (count == 0) return bytes;
     bytes.reserve(count);
+    Need need;
     std::unique_lock lock(mutex_);
+    needs_.push_back(&need);
+    struct Leave {  // before the lock ends
+        std::vector<Need*>& needs;
+        Need* need;
+        ~Leave() { std::erase(needs, need); }
+    };
+    const Leave leave{needs_, &need};
     const uint64_t end_block = (offset + count - 1) / kBlock + 1;
     for (uint64_t block = offset / kBlock; block < end_block; ++block) {
-        needed_ = {block, std::min(end_block, block + kMostOfARequest)};
+        need.blocks = {block, std::min(end_block, block + kMostOfARequest)};
         const auto has_block = [&](const Blocks& blocks) { return block >= blocks.first && block < blocks.end; };
         if (std::ranges::none_of(ahead_, has_block)) ahead_ = {};  // it was said for another place
-        failure_ = nullptr;
         changed_.notify_all();
-        changed_.wait(lock, [&] { return failure_ || blocks_.contains(block); });
-        if (failure_) {
-            needed_ = {};
-            std::rethrow_exception(std::exchange(failure_, nullptr));
-        }
+        changed_.wait(lock, [&] { return need.failure || blocks_.contains(block); });
+        if (need.failure) std::rethrow_exception(need.failure);
         const std::vector<uint8_t>& whole = blocks_.at(block);
-        const uint64_t begin = std::max(offset, block * kBlock) - block * kBlock;
-        const uint64_t end = std::min(offset + count, block * kBlock + whole.size()) - block * kBlock;
-        bytes.insert(bytes.end(), whole.begin() + static_cast<ptrdiff_t>(begin),
-                     whole.begin() + static_cast<ptrdiff_t>(end));
+        const uint64_t from = std::max(offset, block * kBlock) - block * kBlock;
+        const uint64_t to = std::min(offset + count, block * kBlock + whole.size()) - block * kBlock;
+        bytes.insert(bytes.end(), whole.begin() + static_cast<ptrdiff_t>(from),
+                     whole.begin() + static_cast<ptrdiff_t>(to));
         use_locked(block);
     }
-    needed_ = {};
     return bytes;
 }
 

@@ -52,7 +52,13 @@ class HttpSource : public ByteSource {
     Answer request(uint64_t offset, uint64_t count);
     void require_range(const Answer& answer, uint64_t offset, uint64_t count);
     void run();
+    // What a call of read() waits for, and why it is in vain.
+    struct Need {
+        Blocks blocks;
+        std::exception_ptr failure{};
+    };
     Blocks missing_locked(const Blocks& in) const;
+    Blocks missing_needed_locked() const;
     Blocks missing_ahead_locked() const;
     void measure_locked(uint64_t bytes, double seconds);
     void keep_locked(uint64_t first, const std::vector<uint8_t>& bytes);
@@ -68,10 +74,9 @@ class HttpSource : public ByteSource {
     std::condition_variable changed_;
     std::map<uint64_t, std::vector<uint8_t>> blocks_;
     std::vector<uint64_t> order_;             // of the blocks, the one that was used last at the end
-    Blocks needed_;                           // what read() waits for
+    std::vector<Need*> needs_;                // of the calls of read(), the first first
     std::vector<Blocks> ahead_;               // what will be read next
     double recent_bytes_ = 0, recent_s_ = 0;  // of the last requests: older ones count less
-    std::exception_ptr failure_;              // of what is needed
     bool stop_ = false;
     std::thread thread_;
 };

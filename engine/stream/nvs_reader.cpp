@@ -78,29 +78,30 @@ Reader::Reader(const std::filesystem::path& path) : path_(path) {
     }
 }
 
-std::vector<uint8_t> Reader::part_locked(uint32_t frame, Part part) {
+std::vector<uint8_t> Reader::part_of(uint32_t frame, Part part) {
     const std::string place = fmt::format("frame {}", frame);
     std::vector<uint8_t> bytes = bytes_at(index_.place_of(frame, part), place);
     if (check_of(bytes) != index_.frames[frame].checks[part]) fail(place, "is damaged");
     return bytes;
 }
 
-std::shared_ptr<const Tables> Reader::tables_locked(uint32_t number) {
-    for (const std::shared_ptr<FrameInProgress>& one : kept_)
-        if (one->group == number) return one->tables;
-    const Group& group = index_.groups[number];
+// Of the frame's group.
+const Tables& Reader::tables_of(const FrameInProgress& begun) {
+    const std::lock_guard lock(begun.tables->mutex);
+    if (begun.tables->tables) return *begun.tables->tables;
+    const Group& group = index_.groups[begun.group];
     const std::string place = fmt::format("the tables of frame {}", group.first);
     const std::vector<uint8_t> bytes = bytes_at({group.offset, group.table_bytes}, place);
     if (check_of(bytes) != group.table_check) fail(place, "are damaged");
     try {
-        return std::make_shared<const Tables>(read_tables(inflated(bytes, table_bytes())));
+        return begun.tables->tables.emplace(read_tables(inflated(bytes, table_bytes())));
     } catch (const std::runtime_error& problem) {
         fail(place, problem.what());
     }
 }
 
 // What is missing of the frame's group, and the groups behind it, are fetched while the frame is decoded.
-void Reader::read_ahead_locked(uint32_t frame, Part last) {
+void Reader::read_ahead(uint32_t frame, Part last) {
     std::vector<ByteRange> ranges;
     double ahead_s = 0;
     for (uint32_t group = index_.group_of(frame); group < index_.groups.size() && ahead_s < kAhead_s; ++group) {
@@ -116,7 +117,8 @@ size_t Reader::kept_of(uint32_t group) const {
     const Format& format = index_.groups[group].format;
     const uint64_t leaf_bytes = 2 * sizeof(Leaf) + sizeof(int16_t) * planes_of(format.degree);  // in shape and slice
     const uint64_t frame_bytes = std::max<uint64_t>(format.most_leaves, 1) * leaf_bytes;
-    return static_cast<size_t>(std::clamp<uint64_t>(kKeptBytes / frame_bytes, kLeastKept, kMostKept));
+    const size_t least = frames_at_once() + 3;  // the reader's threads each decode one, and others repeat it
+    return static_cast<size_t>(std::clamp<uint64_t>(kKeptBytes / frame_bytes, least, kMostKept));
 }
 
 // `before` is the frame before it; null: it is a key frame.
@@ -126,8 +128,11 @@ std::shared_ptr<Reader::FrameInProgress> Reader::begin_next_locked(uint32_t fram
     begun->frame = frame;
     begun->group = index_.group_of(frame);
     begun->last = last;
-    begun->tables = tables_locked(begun->group);
     begun->before = before;
+    if (before && before->group == begun->group) begun->tables = before->tables;
+    for (const std::shared_ptr<FrameInProgress>& one : kept_)
+        if (one->group == begun->group) begun->tables = one->tables;
+    if (!begun->tables) begun->tables = std::make_shared<GroupTables>();
     while (kept_.size() >= kept_of(begun->group)) kept_.erase(kept_.begin());
     kept_.push_back(begun);
     return begun;
@@ -157,17 +162,14 @@ const FrameShape& Reader::shape_of(FrameInProgress& begun) {
     }();
     if (begun.shape) return *begun.shape;
     const FrameShape* before = begun.before ? &shape_of(*begun.before) : nullptr;
-    const std::vector<uint8_t> bytes = [&] {
-        const std::lock_guard lock(mutex_);
-        std::vector<uint8_t> part = part_locked(begun.frame, kShape);
-        read_ahead_locked(begun.frame, begun.last);
-        return part;
-    }();
+    const Tables& tables = tables_of(begun);
+    const std::vector<uint8_t> bytes = part_of(begun.frame, kShape);
+    read_ahead(begun.frame, begun.last);
     const TraceSpan span("decode the shape of frame", begun.frame);
     const double begin_s = seconds_now();
     try {
-        FrameShape shape = decode_shape(bytes, *begun.tables, index_.groups[begun.group].format,
-                                        before ? &before->merged.leaves : nullptr);
+        FrameShape shape =
+            decode_shape(bytes, tables, index_.groups[begun.group].format, before ? &before->merged.leaves : nullptr);
         if (shape.is_key != index_.frames[begun.frame].is_key)
             throw std::runtime_error("is a key frame or not, other than the index says");
         begun.shape = std::move(shape);
@@ -188,19 +190,17 @@ std::shared_ptr<const Slice> Reader::slice_of(FrameInProgress& begun) {
     std::array<std::vector<uint8_t>, kParts> bytes;
     PartBytes parts;
     uint64_t count = 0;
-    {
-        const std::lock_guard lock(mutex_);
-        for (uint32_t part = kShape + 1; part <= begun.last; ++part) {
-            bytes[part] = part_locked(begun.frame, static_cast<Part>(part));
-            parts[part] = bytes[part];
-            count += bytes[part].size();
-        }
+    for (uint32_t part = kShape + 1; part <= begun.last; ++part) {
+        bytes[part] = part_of(begun.frame, static_cast<Part>(part));
+        parts[part] = bytes[part];
+        count += bytes[part].size();
     }
+    const Tables& tables = tables_of(begun);
     const TraceSpan span("decode the planes of frame", begun.frame);
     const double begin_s = seconds_now();
     try {
         begun.slice = std::make_shared<const Slice>(
-            decode_planes(shape, parts, begun.last, *begun.tables, index_.groups[begun.group].format, before.get()));
+            decode_planes(shape, parts, begun.last, tables, index_.groups[begun.group].format, before.get()));
     } catch (const std::runtime_error& problem) {
         fail(fmt::format("frame {}", begun.frame), problem.what());
     }

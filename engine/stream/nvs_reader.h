@@ -34,13 +34,12 @@ class Reader {
     // Ends what waits for a server, in all threads and from now on (ServerProblem).
     void cancel();
 
-    // The frame, decoded from its first parts. Frames that were read last are kept: as many as take kKeptBytes, but at
-    // least kLeastKept, as others repeat them, and at most kMostKept, as who plays backwards needs them. Of the frames
-    // from the key frame on, or the last that is kept, the shapes are decoded; the planes only where the frame repeats
-    // some. Threads read bytes one at a time, and decode without waiting for each other unless their frames depend on
-    // the same key frame.
-    static constexpr size_t kLeastKept = 4, kMostKept = 16;
-    static constexpr uint64_t kKeptBytes = uint64_t{128} << 20;
+    // The frame, decoded from its first parts. Frames that were read last are kept: as many as take kKeptBytes, at most
+    // kMostKept, and at least as many as threads decode and others repeat. Of the frames from the key frame on, or the
+    // last that is kept, the shapes are decoded; the planes only where the frame repeats some. Threads read and decode
+    // without waiting for each other unless their frames depend on the same key frame.
+    static constexpr size_t kMostKept = 16;
+    static constexpr uint64_t kKeptBytes = uint64_t{256} << 20;
     // From a server, the bytes of the frames of so many seconds behind it are fetched meanwhile.
     static constexpr double kAhead_s = 3;
     std::shared_ptr<const Slice> frame(uint32_t frame, Part last = kShFine);
@@ -53,13 +52,18 @@ class Reader {
     void learn_upload(double seconds) { ladder_.learn_step(FrameStep::kUpload, seconds); }
 
   private:
+    // The tables of a group, which are read when a frame first needs them.
+    struct GroupTables {
+        std::mutex mutex;
+        std::optional<Tables> tables;
+    };
     // A frame that is being decoded: first its shape, for which that of the frame before must be known, then its
-    // planes. Who holds a frame's mutexes locks those of the frame before, then Reader::mutex_, never the other way
+    // planes. Who holds a frame's mutexes locks those of the frame before, then that of the tables, never the other way
     // round.
     struct FrameInProgress {
         uint32_t frame = 0, group = 0;
         Part last = kShFine;
-        std::shared_ptr<const Tables> tables;
+        std::shared_ptr<GroupTables> tables;
         std::mutex shape_mutex;              // guards `shape`, of which only the tree changes once it is there
         std::optional<FrameShape> shape;     // nothing: it is not decoded yet
         std::mutex slice_mutex;              // guards `slice` and, once the shape is there, its tree
@@ -69,9 +73,9 @@ class Reader {
         std::shared_ptr<FrameInProgress> before;
     };
     std::vector<uint8_t> bytes_at(const ByteRange& range, const std::string& place);
-    std::vector<uint8_t> part_locked(uint32_t frame, Part part);
-    std::shared_ptr<const Tables> tables_locked(uint32_t group);
-    void read_ahead_locked(uint32_t frame, Part last);
+    std::vector<uint8_t> part_of(uint32_t frame, Part part);
+    const Tables& tables_of(const FrameInProgress& begun);
+    void read_ahead(uint32_t frame, Part last);
     size_t kept_of(uint32_t group) const;
     std::shared_ptr<FrameInProgress> begin_next_locked(uint32_t frame, Part last,
                                                        const std::shared_ptr<FrameInProgress>& before);
@@ -81,11 +85,11 @@ class Reader {
     std::shared_ptr<const Slice> slice_of(FrameInProgress& begun);
     [[noreturn]] void fail(const std::string& place, const std::string& problem) const;
     std::filesystem::path path_;
-    std::unique_ptr<ByteSource> source_;  // by one thread at a time
+    std::unique_ptr<ByteSource> source_;
     Index index_;
     mutable std::atomic<bool> failed_ = false;
     Ladder ladder_;
-    std::mutex mutex_;                                    // guards what follows, and reading
+    std::mutex mutex_;                                    // guards what follows; nobody reads while they hold it
     std::vector<std::shared_ptr<FrameInProgress>> kept_;  // the one that was begun last at the end
     struct Chosen {
         uint32_t group = 0;

@@ -42,6 +42,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
         wanted = self.headers["Range"].removeprefix("bytes=").split("-")
         first, last = int(wanted[0]), min(int(wanted[1]), len(data) - 1)
         shut = mode == "gate" and last >= 2 << 18 or mode == "shut"
+        if shut:
+            print(f"{mode} is shut", flush=True)
         while shut and not (FOLDER / "open").exists():
             time.sleep(0.01)
         if mode == "other-range":

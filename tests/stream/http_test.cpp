@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <future>
 #include <thread>
 
 #include "stream/served_stream.h"
@@ -104,6 +106,35 @@ TEST_F(HttpTest, WhoWaitsForAServerCanBeStopped) {
     reader.cancel();
     waiting.join();
     EXPECT_THROW(reader.frame(1), stream::ServerProblem);
+}
+
+// While one thread waits for what the server does not send, others take what is here: of a source, and frames with
+// other parts than before, which are read and decoded anew.
+TEST_F(HttpTest, NobodyWaitsForAServerButWhoNeedsIt) {
+    stream::Reader reader(address("gate"));
+    stream::HttpSource source(address("gate"), {});
+    source.read(0, 1000);
+    reader.frame(0);
+    const auto gated = [&] {
+        const std::string text = read_text(log);
+        size_t count = 0;
+        for (size_t at = text.find("gate is shut"); at != std::string::npos; at = text.find("gate is shut", at + 1))
+            ++count;
+        return count;
+    };
+    std::thread of_reader([&] { EXPECT_THROW(reader.frame(2), stream::ServerProblem); });
+    std::thread of_source([&] { EXPECT_THROW(source.read(source.size() - 10, 10), stream::ServerProblem); });
+    ASSERT_TRUE(server->until([&] { return gated() >= 2; })) << read_text(log);
+    std::future<void> reading = std::async(std::launch::async, [&] {
+        for (int i = 0; i < 200; ++i) source.read(0, 1000);
+        for (const stream::Part last : {stream::kCoarse, stream::kShCoarse, stream::kFine}) reader.frame(0, last);
+    });
+    // Less than the time after which the server counts as stalled.
+    EXPECT_EQ(reading.wait_for(std::chrono::seconds(10)), std::future_status::ready);
+    reader.cancel();
+    source.cancel();
+    of_reader.join();
+    of_source.join();
 }
 
 // A server that always sends a little, so that no pause is long.
