@@ -36,6 +36,14 @@ float slope_of(float srgb, uint32_t l) {
 
 }  // namespace
 
+std::vector<LeafPosition> leaf_positions(const stream::Slice& slice) {
+    std::vector<LeafPosition> positions;
+    positions.reserve(slice.leaves.size());
+    for (const stream::Leaf& leaf : slice.leaves)
+        positions.push_back(position_of(leaf.cell >> 3 * (slice.depth - leaf.depth), leaf.depth));
+    return positions;
+}
+
 float optical_depth_of(int16_t opacity) {
     static const std::vector<float> kDepths = [] {
         std::vector<float> depths;

@@ -3,12 +3,17 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "shared/hh_counts.h"
 #include "stream/quantised_slice.h"
 #include "voctree/slice_paint.h"
+#include "voctree/voctree.h"
 
 namespace neuvv::voctree {
+
+// Where the leaves of a slice lie, in its order.
+std::vector<LeafPosition> leaf_positions(const stream::Slice& slice);
 
 // The optical depth along the edge of a leaf, by its opacity, 0 to stream::kUnit.
 float optical_depth_of(int16_t opacity);

@@ -44,11 +44,7 @@ VOctree tree_of(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_siz
     tree.node_levels = slice.depth / 2;
     tree.fps = fps;
     make_still(tree, slice.degree);
-    std::vector<LeafPosition> positions;
-    positions.reserve(slice.leaves.size());
-    for (const stream::Leaf& leaf : slice.leaves)
-        positions.push_back(position_of(leaf.cell >> 3 * (slice.depth - leaf.depth), leaf.depth));
-    build_topology(tree, positions);
+    build_topology(tree, leaf_positions(slice));
     std::array<float, stream::kMaxDepth + 1> edges;
     for (uint32_t d = 0; d < edges.size(); ++d) edges[d] = leaf_edge_m(tree, d);
     parallel_for(slice.leaves.size(), kLeavesOfPart, [&](size_t begin, size_t end) {

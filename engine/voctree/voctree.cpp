@@ -154,9 +154,8 @@ void replace_leaves(VOctree& tree, const std::vector<LeafPosition>& positions, c
     for (uint32_t i = 0; i < tree.leaf_count; ++i) std::copy_n(from[i], tree.weights_per_leaf(), tree.leaf(i));
 }
 
-float leaf_edge_m(const VOctree& tree, uint32_t depth) {
-    const glm::vec3 size = tree.box_size;
-    return std::ldexp((size.x + size.y + size.z) / 3, -static_cast<int>(depth));
+float leaf_edge_m(glm::vec3 box_size, uint32_t depth) {
+    return std::ldexp((box_size.x + box_size.y + box_size.z) / 3, -static_cast<int>(depth));
 }
 
 std::vector<LeafPosition> leaf_positions(const VOctree& tree) {

@@ -5,6 +5,7 @@
 
 #include "support/figure.h"
 #include "voctree/files/occupied_box.h"
+#include "voctree/stream_slice.h"
 
 namespace neuvv::test {
 namespace {
@@ -72,6 +73,15 @@ TEST(SolidLeavesTest, AThinHazeIsLeftOutAndASolidPartIsNot) {
     expect_box(voctree::SolidLeaves(with_leaves(slab, 0.01f)).box_at(0), box_of_figure(0), 1.01 * kCell);
     EXPECT_NEAR(voctree::SolidLeaves(with_leaves(slab, 250)).box_at(0).second.y, 63 * kCell, 1e-6)
         << "a plate over the header is a part of the performer";
+}
+
+TEST(SolidLeavesTest, ASliceHasThoseOfItsTree) {
+    const voctree::VOctree tree = figure_tree();
+    const stream::Slice slice = voctree::slice_of(tree, 0);
+    const voctree::VOctree again = voctree::tree_of(slice, tree.box_min, tree.box_size, 25);
+    const auto [low, high] = voctree::SolidLeaves(slice, tree.box_min, tree.box_size).box_at(0);
+    EXPECT_EQ(std::pair(low, high), voctree::SolidLeaves(again).box_at(0));
+    EXPECT_TRUE(glm::all(glm::lessThan(low, high)));
 }
 
 TEST(SolidLeavesTest, WhereNothingIsSolidTheBoxIsThatOfAllLeaves) {

@@ -10,7 +10,6 @@
 
 #include "base/error.h"
 #include "base/platform.h"
-#include "base/seconds.h"
 #include "base/trace_file.h"
 #include "voctree/stream_slice.h"
 

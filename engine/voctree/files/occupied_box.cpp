@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "voctree/files/clip.h"
+#include "voctree/slice_values.h"
 
 namespace neuvv::voctree {
 
@@ -48,20 +49,27 @@ std::vector<ClipSegment> sample_of(const ClipIndex& clip) {
     return some;
 }
 
-// A tree of the segment with leaves where its own are, as little as has to be read.
-VOctree small_tree(const ClipSegment& segment) {
-    if (!segment.stream && kind_of(segment.file) == ClipKind::kNvv)
-        if (std::optional<VOctree> coarse = read_nvv_coarse(segment.file)) return std::move(*coarse);
-    return read_segment(segment, stream::kShape);
+// Around the leaves of a segment, and whether it has any. As little of it is read as has to be.
+struct SegmentBox {
+    Box box;
+    bool has_leaves;
+};
+
+// Also of the frames around it.
+SegmentBox box_of_frame(const ClipSegment& frame) {
+    const FrameSlice read = read_slice(frame, stream::kShape);
+    const Box leaves = occupied_box(leaf_positions(*read.slice), read.box_min, read.box_size);
+    const glm::dvec3 low(read.box_min), high = low + glm::dvec3(read.box_size),
+                                        moved = kMoves * (leaves.second - leaves.first);
+    return {{glm::max(low, leaves.first - moved), glm::min(high, leaves.second + moved)}, !read.slice->leaves.empty()};
 }
 
-// Around the leaves of one segment, and of a stream's frames around it.
-Box box_of(const ClipSegment& segment, const VOctree& tree) {
-    const Box leaves = occupied_box(tree);
-    if (!segment.stream) return leaves;
-    const glm::dvec3 low(tree.box_min), high = low + glm::dvec3(tree.box_size),
-                                        moved = kMoves * (leaves.second - leaves.first);
-    return {glm::max(low, leaves.first - moved), glm::min(high, leaves.second + moved)};
+SegmentBox box_of(const ClipSegment& segment) {
+    if (segment.stream) return box_of_frame(segment);
+    std::optional<VOctree> tree;
+    if (kind_of(segment.file) == ClipKind::kNvv) tree = read_nvv_coarse(segment.file);
+    if (!tree) tree = read_segment(segment);
+    return {occupied_box(*tree), tree->leaf_count > 0};
 }
 
 }  // namespace
@@ -71,12 +79,11 @@ Box occupied_box(const ClipIndex& clip) {
     Note problem;
     for (const ClipSegment& segment : sample_of(clip)) {
         try {
-            const VOctree tree = small_tree(segment);
-            const Box one = box_of(segment, tree);
-            if (tree.leaf_count == 0)
-                empty = one;
-            else
+            const auto [one, has_leaves] = box_of(segment);
+            if (has_leaves)
                 box = box ? Box(glm::min(box->first, one.first), glm::max(box->second, one.second)) : one;
+            else
+                empty = one;
         } catch (const InputError& error) {
             if (problem.empty()) problem = Note(error);
         }

@@ -51,49 +51,40 @@ struct Profile {
     }
 };
 
-size_t step_of(size_t leaves) {
-    return std::max<size_t>(1, (leaves + kMaxSolidLeaves - 1) / kMaxSolidLeaves);
-}
-
 }  // namespace
 
-SolidLeaves::SolidLeaves(const VOctree& tree)
-    : box_min_(tree.box_min),
-      box_size_(tree.box_size),
-      rows_(tree.sigma_basis),
-      bases_(tree.bases),
-      frames_(tree.frames) {
+SolidLeaves::SolidLeaves(const VOctree& tree) : rows_(tree.sigma_basis), bases_(tree.bases), frames_(tree.frames) {
     std::tie(all_low_, all_high_) = occupied_box(tree);
-    const std::vector<LeafPosition> positions = leaf_positions(tree);
-    const size_t step = step_of(positions.size());
-    for (size_t i = 0; i < positions.size(); i += step) add(positions[i], tree.leaf(static_cast<uint32_t>(i)));
+    add(leaf_positions(tree), tree.box_min, tree.box_size, [&](size_t leaf) {
+        const float* weights = tree.leaf(static_cast<uint32_t>(leaf));
+        weights_.insert(weights_.end(), weights, weights + bases_);
+    });
 }
 
-SolidLeaves::SolidLeaves(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size)
-    : box_min_(box_min), box_size_(box_size), rows_{1}, bases_(1) {
-    std::vector<LeafPosition> positions;
-    positions.reserve(slice.leaves.size());
-    for (const stream::Leaf& leaf : slice.leaves)
-        positions.push_back(position_of(leaf.cell >> 3 * (slice.depth - leaf.depth), leaf.depth));
+SolidLeaves::SolidLeaves(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size) : rows_{1}, bases_(1) {
+    const std::vector<LeafPosition> positions = leaf_positions(slice);
     std::tie(all_low_, all_high_) = occupied_box(positions, box_min, box_size);
-    const size_t step = step_of(positions.size());
-    for (size_t i = 0; i < positions.size(); i += step) {
-        const float edge_m =
-            std::ldexp((box_size.x + box_size.y + box_size.z) / 3, -static_cast<int>(positions[i].depth));
-        const float sigma = optical_depth_of(slice.planes[stream::kOpacityPlane][i]) / edge_m;
-        add(positions[i], &sigma);
-    }
+    add(positions, box_min, box_size, [&](size_t leaf) {
+        weights_.push_back(optical_depth_of(slice.planes[stream::kOpacityPlane][leaf]) /
+                           leaf_edge_m(box_size, positions[leaf].depth));
+    });
 }
 
-void SolidLeaves::add(const LeafPosition& position, const float* weights) {
-    const glm::dvec3 size = std::ldexp(1.0, -static_cast<int>(position.depth)) * box_size_,
-                     low = box_min_ + size * glm::dvec3(position.x, position.y, position.z);
-    for (int axis = 0; axis < 3; ++axis) {
-        low_.push_back(static_cast<float>(low[axis]));
-        high_.push_back(static_cast<float>(low[axis] + size[axis]));
+// Adds leaves at equal steps; add_weights(leaf) adds their w^σ.
+void SolidLeaves::add(const std::vector<LeafPosition>& positions, glm::dvec3 box_min, glm::dvec3 box_size,
+                      const std::function<void(size_t)>& add_weights) {
+    const size_t step = std::max<size_t>(1, (positions.size() + kMaxSolidLeaves - 1) / kMaxSolidLeaves);
+    for (size_t i = 0; i < positions.size(); i += step) {
+        const LeafPosition& position = positions[i];
+        const glm::dvec3 size = std::ldexp(1.0, -static_cast<int>(position.depth)) * box_size,
+                         low = box_min + size * glm::dvec3(position.x, position.y, position.z);
+        for (int axis = 0; axis < 3; ++axis) {
+            low_.push_back(static_cast<float>(low[axis]));
+            high_.push_back(static_cast<float>(low[axis] + size[axis]));
+        }
+        edges_m_.push_back(leaf_edge_m(glm::vec3(box_size), position.depth));
+        add_weights(i);
     }
-    edges_m_.push_back(static_cast<float>((size.x + size.y + size.z) / 3));
-    weights_.insert(weights_.end(), weights, weights + bases_);
 }
 
 // Per leaf the area that it hides, square metres.

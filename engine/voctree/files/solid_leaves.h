@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -30,8 +31,8 @@ class SolidLeaves {
 
   private:
     std::vector<float> areas_at(double frame) const;
-    void add(const LeafPosition& position, const float* weights);
-    glm::dvec3 box_min_, box_size_;  // metres
+    void add(const std::vector<LeafPosition>& positions, glm::dvec3 box_min, glm::dvec3 box_size,
+             const std::function<void(size_t)>& add_weights);
     std::vector<float> low_, high_;  // per leaf: three coordinates, metres
     std::vector<float> edges_m_;     // per leaf
     std::vector<float> weights_;     // per leaf: w^σ

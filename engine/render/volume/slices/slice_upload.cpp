@@ -1,5 +1,6 @@
 #include "render/volume/slices/slice_upload.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -22,12 +23,10 @@ constexpr size_t kLeavesOfPart = 8192;
 class SigmaHalves {
   public:
     SigmaHalves(uint32_t depth, glm::vec3 box_size) : halves_((depth + 1) * kOpacities) {
-        const float edge_m = (box_size.x + box_size.y + box_size.z) / 3;
         for (uint32_t d = 1; d <= depth; ++d)
             for (uint32_t opacity = 0; opacity < kOpacities; ++opacity)
-                halves_[d * kOpacities + opacity] =
-                    voctree::half_from_float(voctree::optical_depth_of(static_cast<int16_t>(opacity)) /
-                                             std::ldexp(edge_m, -static_cast<int>(d)));
+                halves_[d * kOpacities + opacity] = voctree::half_from_float(
+                    voctree::optical_depth_of(static_cast<int16_t>(opacity)) / voctree::leaf_edge_m(box_size, d));
     }
     uint16_t of(uint32_t depth, int16_t opacity) const {
         return halves_[depth * kOpacities + static_cast<uint32_t>(opacity)];
@@ -123,8 +122,10 @@ class EntryWriter {
 void write_entries(const stream::Slice& slice, const SliceLayout& layout, glm::vec3 box_size, glm::uvec2* to) {
     const TraceSpan span("write the entries of a slice");
     const uint32_t functions = sh_count(slice.degree);
-    for (const SliceLayout::NodeEntry& one : layout.node_entries)
+    for (const SliceLayout::NodeEntry& one : layout.node_entries) {
+        std::fill_n(to + size_t{one.entry} * functions, functions, glm::uvec2(0));
         to[size_t{one.entry} * functions] = {kEntryIsNode, one.node};
+    }
     const SigmaHalves sigma(slice.depth, box_size);
     parallel_for(slice.leaves.size(), kLeavesOfPart,
                  [&](size_t begin, size_t end) { EntryWriter(slice, layout, sigma, to).write(begin, end); });
@@ -148,6 +149,7 @@ Field upload_slice(const gpu::Device& device, const stream::Slice& slice, glm::v
         "leaf positions", sizeof(glm::uvec2) * slice.leaves.size(), VK_FORMAT_R32G32_UINT, [&](void* to) {
             layout = slice_layout(slice, {static_cast<glm::uvec2*>(to), slice.leaves.size()});
         });
+    expect_dispatch(device, layout.entries, Remedy::kFewerLeaves);
     field.box_min = box_min;
     field.leaf_count = static_cast<uint32_t>(slice.leaves.size());
     field.hh_degree = slice.degree;
@@ -164,7 +166,7 @@ Field upload_slice(const gpu::Device& device, const stream::Slice& slice, glm::v
         uploads.add_written("leaves of entries", sizeof(uint32_t) * layout.entries, VK_FORMAT_R32_UINT,
                             [&](void* to) { write_entry_leaves(slice, layout, static_cast<uint32_t*>(to)); }),
         uploads.add("counts of entries", counts, VK_FORMAT_UNDEFINED)};
-    field.slice = std::make_shared<const SliceTrees>(device, std::move(built), field.node_count(), layout.entries);
+    field.slice = std::make_shared<const SliceTrees>(std::move(built), field.node_count(), layout.entries);
     uploads.finish();
     return field;
 }
