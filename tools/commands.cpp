@@ -20,7 +20,7 @@ void add_far_levels_option(Command verb, std::optional<bool>& far_levels) {
     add_switch(
         verb, "--far-levels", far_levels,
         "Whether performers whose leaves look smaller than the distance between two rays, except for painted ones "
-        "and clips whose frames share bases, are drawn from coarser levels of their tree, so that they do not "
+        "streams and clips whose frames share bases, are drawn from coarser levels of their tree, so that they do not "
         "shimmer (default: on)");
 }
 
@@ -28,7 +28,7 @@ void add_slice_budget_option(Command verb, double& mebibytes) {
     verb.add_option("--slice-budget", mebibytes,
                     "MiB on the device for frames' slices that are kept, however many instances there are; less where "
                     "half of what it has left, or an eighth of its memory where it does not tell, is less; 0: no "
-                    "slices, all numbers at each sample (slow)")
+                    "slices, all numbers at each sample (slow). Frames of streams are slices, and take more")
         .number_between(0, 1048576)
         .show_default();
 }

@@ -129,7 +129,7 @@ class Device {
     // The first memory type of `type_bits` with the flags `preferred`, else the first one with the flags `required`.
     // Throws RuntimeFailure where there is neither.
     uint32_t memory_type(uint32_t type_bits, VkMemoryPropertyFlags preferred, VkMemoryPropertyFlags required) const;
-    VkMemoryPropertyFlags memory_flags(uint32_t type) const;
+    VkMemoryPropertyFlags memory_flags(uint32_t type) const;  // of a memory type of the device
 
     // Gives a Vulkan object its debug name (no-op without the debug-utils extension).
     void name_object(VkObjectType type, uint64_t object, const std::string& name) const;

@@ -1,4 +1,4 @@
-// Copies between host and device through staging buffers, which wait: for set-up, for threads beside the one that
+// Copies between host and device, most through staging buffers, which wait: for set-up, for threads beside the one that
 // draws, and for tests. Uploads run on the transfer queue where the device has one.
 #pragma once
 
@@ -25,8 +25,8 @@ class Uploads {
         add(buffer, values.data(), values.size() * sizeof(T));
         return buffer;
     }
-    // Creates a buffer on the device whose bytes are those that `write` writes, before this returns: all of them, in
-    // any order, without reading any. Where the host sees the device's memory, they are written there.
+    // Creates a buffer on the device whose bytes are those that `write` writes, before this returns, in any order and
+    // without reading any; others are undefined. Where the host sees the device's memory, they are written there.
     Buffer add_written(const char* name, uint64_t bytes, VkFormat format, const std::function<void(void*)>& write);
     // Copies through a staging buffer, which is filled again where it is too small for all, and waits.
     void finish();

@@ -79,7 +79,7 @@ class PlanesReader {
     }
 
     // The planes of colours do not need each other. More than two cores decode three planes at a time each; of two, the
-    // other one has trees to make.
+    // other one draws.
     void decode_colours(const Pairs& pairs) {
         const uint32_t colours = planes_ - kFirstColourPlane;
         if (std::thread::hardware_concurrency() > 2)

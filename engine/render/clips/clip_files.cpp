@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "base/trace_file.h"
-#include "voctree/files/clip.h"
 #include "voctree/files/nvv.h"
 
 namespace neuvv::render {

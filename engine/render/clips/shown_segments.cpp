@@ -4,7 +4,6 @@
 #include <functional>
 
 #include "gpu/device.h"
-#include "voctree/files/clip.h"
 
 namespace neuvv::render {
 

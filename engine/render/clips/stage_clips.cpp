@@ -26,9 +26,11 @@ const LoadedClip* drawn(const ClipOnDevice::Segment& segment) {
 // How many segments of a clip are on the device at once.
 uint32_t room_of(const ClipOnDevice& clip) {
     if (!voctree::is_stream(clip.index)) return kSegmentsOnDevice;
-    const uint64_t bytes = clip.first ? device_bytes(clip.first->field) : 0;
-    return static_cast<uint32_t>(std::clamp<uint64_t>(kStreamBytesOnDevice / std::max<uint64_t>(bytes, 1),
-                                                      kLeastStreamFrames, kMostStreamFrames));
+    uint64_t most = 1;
+    for (const stream::Group& group : clip.index.segments[0].stream->index().groups)
+        most = std::max(most, group.format.most_leaves * slice_bytes_per_leaf(group.format.degree));
+    return static_cast<uint32_t>(
+        std::clamp<uint64_t>(kStreamBytesOnDevice / most, kLeastStreamFrames, kMostStreamFrames));
 }
 
 bool contains(const auto& list, const auto& one) {
@@ -89,7 +91,8 @@ std::vector<const Field*> StageClips::fields() const {
 uint32_t StageClips::usual_fields() const {
     uint32_t fields = 0;
     for (const ClipOnDevice& clip : clips_)
-        fields += std::min(static_cast<uint32_t>(clip.segments.size()), room_of(clip));
+        if (!voctree::is_stream(clip.index))
+            fields += std::min(static_cast<uint32_t>(clip.segments.size()), room_of(clip));
     return fields;
 }
 

@@ -20,8 +20,9 @@ enum class MissingSegments {
     kHold,
 };
 
-// Segments of a segmented clip that are on the device at once, and frames of a stream: as many as take so many bytes,
-// between a least and a most number. Where performers show more than all but two of them, two more than those.
+// Segments of a segmented clip that are on the device at once, and frames of a stream: as many of the largest as take
+// so many bytes, between a least and a most number. Where performers show more than all but two of them, two more than
+// those.
 constexpr uint32_t kSegmentsOnDevice = 5, kLeastStreamFrames = 4, kMostStreamFrames = 10, kLeastSegmentsAhead = 2;
 constexpr uint64_t kStreamBytesOnDevice = uint64_t{96} << 20;
 
@@ -45,7 +46,8 @@ class StageClips {
     // The fields of all segments that are on the device, or coarse trees in their place. A file that several clips play
     // is one field.
     std::vector<const Field*> fields() const;
-    // The largest number of fields, unless performers show many segments at once.
+    // The largest number of fields whose slices are built, which those of streams are not, unless performers show many
+    // segments at once.
     uint32_t usual_fields() const;
 
     // A place in the field of a segment.

@@ -102,7 +102,8 @@ void StageRenderer::change(const stage::Stage& stage, const StageAssets& assets)
 // where there are more fields, but never into fewer, because slices of another size must be built again.
 void StageRenderer::update_fields() {
     fields_ = clips_.fields();
-    while (slice_shares_ < fields_.size()) slice_shares_ = std::max(2 * slice_shares_, 1u);
+    const auto sliced = std::ranges::count_if(fields_, [](const Field* field) { return !field->slice; });
+    while (slice_shares_ < sliced) slice_shares_ = std::max(2 * slice_shares_, 1u);
     frames_->change_fields(fields_, slice_shares_);
     clips_.free_dropped();
     update_segment_paints();

@@ -51,7 +51,8 @@ struct FrameCapacity {
     uint32_t views = 1;
     // Bytes of slices, or less where the device has not so much left (slice_budget), in equal shares for all fields (or
     // as FrameRenderer::change_fields says). With FrameSettings::far_levels their coarser levels take as much for each
-    // leaf, which is about a third more in all. 0: no slices; the direct path draws all that is not painted.
+    // leaf, which is about a third more in all. 0: no slices; the direct path draws all that is not painted. Fields
+    // that came with their slice count for nothing here.
     uint64_t slice_budget = kSliceBudget;
     uint64_t interval_budget = UINT64_MAX;  // bytes of intervals that are merged at once
 };

@@ -149,6 +149,7 @@ void SliceResidency::forget() {
 
 bool SliceResidency::drop() {
     uint64_t taken = 0;
+    const bool any = std::ranges::any_of(performers_, [](const auto& performer) { return performer != nullptr; });
     for (const auto& performer : performers_) {
         const SliceCache* slices = performer ? performer->slices() : nullptr;
         if (slices) taken += slices->bytes();
@@ -157,7 +158,7 @@ bool SliceResidency::drop() {
     performers_.clear();
     if (far_levels_fit_.value_or(false))
         far_levels_fit_.reset();  // where they did not fit, they stay out until fields change
-    return taken > 0;
+    return any;
 }
 
 bool SliceResidency::drop_after(const gpu::VulkanError& error) {

@@ -80,8 +80,8 @@ class SliceResidency {
 
     // Drops all slices, so that the next image builds them again.
     void forget();
-    // Frees all slices. From now on they may take half as much memory as before, or that of one slice of each field.
-    // Returns whether there were any.
+    // Frees all performers, with slices, passes and what these store. From now on slices may take half as much memory
+    // as before, or that of one slice of each field. Returns whether there were any.
     bool drop();
     // For an error while an image was prepared, so that performers may be incomplete: frees all slices and returns
     // whether there is less to create next time.

@@ -100,7 +100,8 @@ inline uint64_t slice_share_of_level(uint64_t field_share, const Field& field, c
 class Performer {
   public:
     // A budget of 0 bytes means no slice, except for a single one as soon as a painted instance is drawn, because paint
-    // cannot be drawn without a slice. Any other budget has at least one slice. All arguments must outlive it.
+    // cannot be drawn without a slice. Any other budget has at least one slice. A field that came with its slice
+    // has that. All arguments must outlive it.
     Performer(const gpu::Device& device, const Field& field, const Paints& paints, uint64_t slice_budget);
 
     // Adds a target for its instances, with at most `views` views. Returns the target's number.

@@ -46,7 +46,7 @@ struct Field {
     // basis_planes().
     uint32_t busy_planes = 1;
     // The slice of a field of one frame that came as one (slice_upload.h). Then there are neither weights nor bases,
-    // and nodes and leaf_cells are empty. Null: slices are built from the weights.
+    // nodes and leaf_cells are empty, and node_cells has masks alone. Null: slices are built from the weights.
     std::shared_ptr<const SliceTrees> slice;
     // The same clip with fewer and larger leaves, each at least an octree depth coarser than the one before
     // (field_levels.h).

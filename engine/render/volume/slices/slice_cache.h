@@ -38,7 +38,8 @@ class SliceCache {
     // replaces the slice that was requested longest ago: first those with paint, then those without, each in the order
     // of `keys`, until all cached slices are of this image. Where there is no room for all painted slices, the rest of
     // them share the memory of one slice, and are built there one after the other while the image is drawn
-    // (find_or_record). Throws RuntimeFailure for a paint that does not exist.
+    // (find_or_record). Throws RuntimeFailure for a paint that does not exist, or on a
+    // field that came with its slice.
     void request(std::span<const SliceKey> keys);
     // The index of a requested slice among trees(); nothing where there was no room for it.
     std::optional<uint32_t> find(SliceKey key) const;
@@ -49,7 +50,7 @@ class SliceCache {
     bool is_used(uint32_t slice) const { return slices_[slice].key && slices_[slice].last_used == images_; }
     // A number that changes whenever the slice of this index is built anew.
     uint64_t build_of(uint32_t slice) const { return slices_[slice].build; }
-    // Drops all slices.
+    // Drops all slices, but for one that came with the field.
     void forget();
 
     // Requests the slices that the next images will need, after request(). The first of them that is not cached is

@@ -1,7 +1,5 @@
 #include "render/volume/slices/slice_layout.h"
 
-#include <algorithm>
-#include <array>
 #include <cassert>
 
 #include "render/volume/slices/packed_position.h"
@@ -112,7 +110,7 @@ LeavesOfDepth count_leaves(const stream::Slice& slice) {
 }  // namespace
 
 SliceLayout slice_layout(const stream::Slice& slice, std::span<glm::uvec2> positions) {
-    assert(positions.size() == slice.leaves.size());
+    assert(positions.size() == slice.leaves.size() && slice.depth < LeavesOfDepth().size());
     SliceLayout layout;
     set_root(layout, count_leaves(slice));
     LayoutBuilder builder(layout.node_levels);

@@ -22,22 +22,14 @@ uint64_t slice_bytes(const Field& field, uint32_t entries) {
     return entry * entries + field.nodes.bytes + sizeof(LiveCount);
 }
 
-namespace {
-
-void expect_dispatch(const gpu::Device& device, uint32_t entries) {
+void expect_dispatch(const gpu::Device& device, uint32_t entries, Remedy remedy) {
     if (gpu::groups_of(entries, kSliceGroup) > device.limits().maxComputeWorkGroupCount[0])
         throw RuntimeFailure(
-            fmt::format("{} live leaves and nodes at once are more than this device dispatches", entries),
-            Remedy::kNoSlices);
+            fmt::format("{} live leaves and nodes at once are more than this device dispatches", entries), remedy);
 }
 
-}  // namespace
-
-SliceTrees::SliceTrees(const gpu::Device& device, SliceBuffers built, uint32_t nodes_of_slice,
-                       uint32_t entries_of_slice)
-    : SliceBuffers(std::move(built)), capacity(std::max(entries_of_slice, 1u)), slices(1), node_count(nodes_of_slice) {
-    expect_dispatch(device, capacity);
-}
+SliceTrees::SliceTrees(SliceBuffers built, uint32_t nodes_of_slice, uint32_t entries_of_slice)
+    : SliceBuffers(std::move(built)), capacity(std::max(entries_of_slice, 1u)), slices(1), node_count(nodes_of_slice) {}
 
 SliceTrees::SliceTrees(const gpu::Device& device, const Field& field, uint32_t entry_capacity, uint32_t slice_count,
                        TreesBegin begin)
@@ -50,7 +42,7 @@ SliceTrees::SliceTrees(const gpu::Device& device, const Field& field, uint32_t e
                      VK_FORMAT_R32G32_UINT);
     entry_leaf = buffer("leaves of entries", uint64_t{4} * capacity, VK_FORMAT_R32_UINT);
     counts = buffer("counts of entries", sizeof(LiveCount));
-    expect_dispatch(device, capacity);
+    expect_dispatch(device, capacity, Remedy::kNoSlices);
     if (begin == TreesBegin::kEmpty)
         gpu::run_once(device, "empty trees", [this](gpu::Commands& commands) { record_empty(commands, *this); });
 }

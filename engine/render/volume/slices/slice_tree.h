@@ -1,7 +1,9 @@
 // Slice tree: a slice as a tree of its own, for playing (shared/slice_tree.h). Its masks are pruned to live leaves, and
-// its entries hold σ and SH in the order in which a walk finds them. The device builds it.
+// its entries hold σ and SH in the order in which a walk finds them. The device builds it, unless it comes as one
+// (slice_upload.h).
 #pragma once
 
+#include "base/remedy.h"
 #include "render/volume/slices/paint.h"
 #include "render/volume/slices/slice.h"
 #include "shared/slice_tree.h"
@@ -27,13 +29,16 @@ struct SliceTrees : SliceBuffers {
     SliceTrees(const gpu::Device& device, const Field& field, uint32_t entry_capacity, uint32_t slices,
                TreesBegin begin = TreesBegin::kEmpty);
     // A single slice that is there already.
-    SliceTrees(const gpu::Device& device, SliceBuffers built, uint32_t node_count, uint32_t entries);
+    SliceTrees(SliceBuffers built, uint32_t node_count, uint32_t entries);
 
     uint32_t capacity, slices, node_count;
 
     uint32_t node_base(uint32_t slice) const { return slice * node_count; }
     uint32_t entry_base(uint32_t slice) const { return slice * capacity; }
 };
+
+// Throws RuntimeFailure where the device cannot dispatch so many entries.
+void expect_dispatch(const gpu::Device& device, uint32_t entries, Remedy remedy);
 
 // Makes all slices empty, so that their counts are 0 and entries that no node finds room for have no leaf.
 void record_empty(gpu::Commands& commands, const SliceTrees& trees);
