@@ -145,7 +145,7 @@ void add_play(tools::Command app, const tools::CommonOptions& common) {
                                      "were missed because an image took too long, the time until the performer is "
                                      "there after a seek, and memory.\n",
                                      {"work/performer.nvv", "show.nvv --seconds 3600 --seek-every 10"},
-                                     "A .nvv, in segments or not"},
+                                     "A .nvv, in segments or not, or a .nvs"},
                                     run_play);
     add_size_option(verb, options);
     verb.add_option("--seconds", options.seconds, "How long it plays").number_between(0.1, 1e6).show_default();

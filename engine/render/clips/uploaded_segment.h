@@ -10,7 +10,7 @@
 
 namespace neuvv::render {
 
-// Whether to find the solid parts of each file, which takes a tenth of the time in which a frame of a stream is read.
+// Whether to find the solid parts of each file, which the headset alone needs.
 enum class SolidParts { kNo, kYes };
 
 struct UploadedSegment {
@@ -19,10 +19,11 @@ struct UploadedSegment {
     std::shared_ptr<const voctree::SolidLeaves> solid;  // of the file, needs no device; null without SolidParts::kYes
 };
 
-// Reads a segment and uploads it. A file gets far levels, unless without `far`; a frame of a stream has none, because
-// to merge leaves would take longer than the frame is shown, and is decoded from its first parts. Throws InputError as
-// voctree::read_segment does, and RuntimeFailure where the device has no memory.
 enum class FarLevels { kNo, kYes };
+
+// Reads a segment and uploads it. A file gets far levels where `far` says so. A frame of a stream has none, because
+// merging leaves would take longer than the frame is shown; it is decoded from its parts up to `last`. Throws
+// InputError as voctree::read_segment does, and RuntimeFailure where the device has no memory.
 UploadedSegment upload_segment(const gpu::Device& device, const voctree::ClipSegment& segment,
                                FarLevels far = FarLevels::kYes, SolidParts solid = SolidParts::kNo,
                                stream::Part last = stream::kShFine);
