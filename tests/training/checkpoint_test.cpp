@@ -304,6 +304,10 @@ TEST(CheckpointFile, RefusesPosesThatNoRunCanFind) {
     file.refused({"scene.nvv.state", "pose", "no run can find"});
     file.rewrite("pose", nullptr);
     file.refused({"scene.nvv.state", "late", "no run can find"});
+    file.rewrite("roll", &poses);
+    file.rewrite("late", nullptr);
+    file.refused({"scene.nvv.state", "roll", "no run can find"});
+    file.rewrite("roll", nullptr);
     const double zoom = 1;  // a factor of 2.7
     poses.assign(poses.size(), 0);
     std::memcpy(poses.data() + 6 * sizeof(double), &zoom, sizeof(double));

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <functional>
 #include <limits>
+#include <utility>
 
 #include "support/input_error.h"
 #include "support/sphere_capture.h"
@@ -60,6 +63,13 @@ TEST(RigChanges, ImagesBetweenFramesAreLeftOut) {
     EXPECT_EQ(dataset.cameras.size(), 8u);
 }
 
+TEST(RigChanges, ImagesOfRollingShuttersAreLeftOut) {
+    RigChanges changes;
+    changes.frames_late = {0, 0, 0.5, 0, 0, 0, 0, 0};
+    changes.readout = {0.3, -0.6, 0, 0, 0, 0, 0, 0};
+    EXPECT_EQ(training::left_out(changes), (std::vector<bool>{false, true, true, false, false, false, false, false}));
+}
+
 TEST(RigChanges, NoFrameLosesAllItsImages) {
     training::Dataset dataset = small_capture();
     RigChanges changes;
@@ -79,6 +89,9 @@ training::RigFindings clean() {
     findings.changes.poses.resize(2);
     findings.changes.frames_late = {0.02, -0.05};
     findings.late_by = {0.01, 0.01};
+    findings.changes.readout = {0.1, -0.1};
+    findings.roll_by = {0.05, 0.05};
+    findings.blur = {0, 0};
     findings.colours = training::CameraColours(2, 2, {true, true, true});
     findings.motion_px = {0.1, 0.2};
     findings.whole = true;
@@ -102,6 +115,11 @@ TEST(RigFindings, OnlyWhatIsWorthItIsRefined) {
     findings.late_by[0] = std::numeric_limits<double>::infinity();  // nothing moves, so that nothing is known
     EXPECT_FALSE(training::worthwhile(findings).time);
     findings = clean();
+    findings.changes.readout[1] = -0.6;
+    EXPECT_TRUE(training::worthwhile(findings).time);
+    findings.roll_by[1] = 0.3;  // not known well enough
+    EXPECT_FALSE(training::worthwhile(findings).time);
+    findings = clean();
     findings.colours.values[1].rows[0].r = 1.15f;
     EXPECT_TRUE(training::worthwhile(findings).colour.colour);
     EXPECT_FALSE(training::worthwhile(findings).colour.exposure);
@@ -116,19 +134,83 @@ TEST(RigFindings, OnlyWhatIsWorthItIsRefined) {
     EXPECT_FALSE(training::worthwhile(findings).colour.any());
 }
 
-// A performer who moves by 2 in each frame, seen by a camera whose pose adds 1 to all differences.
+// What an edge says that moves by `motion` pixels a frame, of a camera that sees it somewhere from `from` to `to`
+// frames late while its shutter is open. The render is 1 behind the edge of each frame, 0 before it.
+training::TimeEvidence edge_evidence(const std::array<double, training::kRowBands>& motion,
+                                     const std::function<std::pair<double, double>(size_t)>& open) {
+    training::TimeEvidence evidence;
+    constexpr int kSteps = 1000;
+    for (size_t band = 0; band < motion.size(); ++band) {
+        const auto [from, to] = open(band);
+        for (int step = -kSteps; step < kSteps; ++step) {
+            const double at = (step + 0.5) / kSteps;  // frames
+            const double image =
+                to > from ? std::clamp((to - at) / (to - from), 0.0, 1.0) : static_cast<double>(at < from);
+            const double own = at < 0 ? 1 : 0, width = motion[band] / kSteps;
+            const double next = at < 1 ? 1 : 0, previous = at < -1 ? 1 : 0;
+            const auto add = [&](training::TimeEvidence::Sums& sums, double beside) {
+                sums.along += (image - own) * (beside - own) * width;
+                sums.motion += (beside - own) * (beside - own) * width;
+                sums.error += (image - own) * (image - own) * width;
+            };
+            add(evidence.next[band], next);
+            add(evidence.previous[band], previous);
+        }
+    }
+    return evidence;
+}
+
 TEST(TimeEvidence, SaysHowLateTheShutterIs) {
-    const auto late = [](double frames) {
-        const auto error = [&](double at) { return 1 + 2 * std::abs(at - frames); };
-        return training::TimeEvidence{{error(0), error(1), 2}, {error(0), error(-1), 2}};
-    };
-    for (const double frames : {-1.0, -0.5, -0.2, 0.0, 0.3, 0.5, 1.0})
-        EXPECT_NEAR(late(frames).frames_late(), frames, 1e-12) << frames;
-    EXPECT_NEAR(late(0).contrast(), 2, 1e-12);
-    EXPECT_EQ((training::TimeEvidence{{1, 1, 0}, {1, 1, 0}}).frames_late(), 0);
-    EXPECT_EQ((training::TimeEvidence{{1, 1, 0}, {1, 1, 0}}).contrast(), 0);
-    EXPECT_EQ(training::TimeEvidence{}.contrast(), 0);
-    EXPECT_EQ((training::TimeEvidence{{1, 2, 1}, {}}).contrast(), 0);  // images of one frame alone
+    std::array<double, training::kRowBands> motion{2, 2, 0, 1, 3, 2, 0, 1};
+    for (const double late : {-1.0, -0.5, -0.2, 0.0, 0.3, 0.5, 1.0}) {
+        const training::TimeEvidence evidence = edge_evidence(motion, [&](size_t) { return std::pair(late, late); });
+        EXPECT_NEAR(evidence.frames_late(), late, 1e-3) << late;
+        EXPECT_NEAR(evidence.readout().frames, 0, 1e-9) << late;
+        EXPECT_NEAR(evidence.blur(), 0, 1e-9) << late;
+        if (late == 0.5) {
+            EXPECT_NEAR(evidence.contrast(), 1.414, 1e-3) << "half of the motion, on both sides";
+        }
+    }
+    motion.fill(0);
+    const training::TimeEvidence still = edge_evidence(motion, [](size_t) { return std::pair(0.0, 0.0); });
+    EXPECT_EQ(still.frames_late(), 0);
+    EXPECT_EQ(still.readout().frames, 0);
+    EXPECT_EQ(still.blur(), 0);
+    EXPECT_EQ(still.contrast(), 0);
+    training::TimeEvidence one_side;
+    one_side.next[0] = {1, 2, 1};
+    EXPECT_EQ(one_side.frames_late(), 0);
+    EXPECT_EQ(one_side.contrast(), 0);
+}
+
+TEST(TimeEvidence, SaysHowLongAShutterRolls) {
+    std::array<double, training::kRowBands> motion{2, 2, 0, 1, 3, 2, 0, 1};
+    for (const double readout : {-0.6, 0.4, 1.0}) {
+        const auto evidence = edge_evidence(motion, [&](size_t band) {
+            const double late = readout * ((static_cast<double>(band) + 0.5) / training::kRowBands - 0.5);
+            return std::pair(late, late);
+        });
+        EXPECT_NEAR(evidence.readout().frames, readout, 5e-3);
+        EXPECT_LT(evidence.readout().deviation, 5e-3) << "a line";
+    }
+    const auto zigzag = edge_evidence(motion, [](size_t band) {
+        const double late = band % 2 ? 0.4 : -0.4;
+        return std::pair(late, late);
+    });
+    EXPECT_GT(zigzag.readout().deviation, std::abs(zigzag.readout().frames));
+    motion.fill(0);
+    motion[3] = motion[5] = 1;  // two bands always lie on a line
+    EXPECT_EQ(edge_evidence(motion, [](size_t) { return std::pair(0.3, 0.3); }).readout().frames, 0);
+}
+
+TEST(TimeEvidence, SaysHowLongAnExposureIs) {
+    std::array<double, training::kRowBands> motion;
+    motion.fill(1);
+    for (const double exposure : {0.25, 0.5, 1.0}) {
+        const auto evidence = edge_evidence(motion, [&](size_t) { return std::pair(-exposure / 2, exposure / 2); });
+        EXPECT_NEAR(evidence.blur(), exposure, 1e-2);
+        EXPECT_NEAR(evidence.frames_late(), 0, 1e-3);
+    }
 }
 
 }  // namespace

@@ -120,6 +120,8 @@ TEST(RigFindings, AreWorthwhileWhereTheDraftIsSure) {
     found.motion_px = {1, 1};
     found.changes.frames_late = {0, 0};
     found.late_by = {1, 1};
+    found.changes.readout = {0, 0};
+    found.roll_by = {1, 1};
     found.whole = true;
     found.unsteady_px = 0.1;
     EXPECT_TRUE(training::worthwhile(found).poses);
@@ -207,26 +209,60 @@ TEST_F(RigSearchTest, EvidencePointsTowardsTheTruth) {
     EXPECT_LT(evidence[5].error / evidence[5].count, evidence[4].error / evidence[4].count);
 }
 
-// One camera of a sphere that moves is late by half a frame: it sees the sphere where it is then.
-TEST_F(RigSearchTest, ALateCameraIsFound) {
-    const SphereCapture capture{.cameras = 12, .frames = 4, .size = 48, .travel_m = 0.3};
+// Of a sphere that moves, what a camera sees whose shutter is late, and open, by so many frames; rows are read one
+// after the other, for `readout` frames.
+media::Image exposed(const SphereCapture& capture, const stage::Camera& camera, double time, double late,
+                     double exposure, double readout) {
+    constexpr uint32_t kParts = 8;
+    media::Image image(capture.size, capture.size);
+    const uint32_t rows = capture.size / kParts;
+    const double frame = 1 / (capture.frames - 1.0);
+    for (uint32_t band = 0; band < kParts; ++band) {
+        const double middle = late + readout * ((band + 0.5) / kParts - 0.5);
+        std::vector<double> sum(size_t{4} * capture.size * rows);
+        for (uint32_t part = 0; part < kParts; ++part) {
+            const double open = middle + exposure * ((part + 0.5) / kParts - 0.5);
+            const media::Image now = sphere_image(capture, camera, time + frame * open);
+            const uint8_t* pixels = now.at(0, band * rows);
+            for (size_t i = 0; i < sum.size(); ++i) sum[i] += i % 4 == 3 ? pixels[i] : 1.0 * pixels[i] * pixels[i | 3];
+        }
+        for (size_t i = 0; i < sum.size(); ++i)
+            image.at(0, band * rows)[i] =
+                static_cast<uint8_t>(std::lround(i % 4 == 3 ? sum[i] / kParts : sum[i] / std::max(sum[i | 3], 1.0)));
+    }
+    return image;
+}
+
+TEST_F(RigSearchTest, ShuttersThatDifferAreFound) {
+    const SphereCapture capture{.cameras = 12, .frames = 4, .size = 64, .radius_m = 0.6, .travel_m = 0.3};
+    constexpr uint32_t kLate = 1, kBlurs = 4, kRolls = 7;
     training::Dataset dataset = sphere_dataset(capture);
-    for (training::View& view : dataset.views)
-        if (view.camera == 7)
-            view.image = training::TiledImage(sphere_image(capture, dataset.cameras[7], view.time + 0.5 / 3));
+    for (training::View& view : dataset.views) {
+        const auto shows = [&](double late, double exposure, double readout) {
+            view.image = training::TiledImage(
+                exposed(capture, dataset.cameras[view.camera], view.time, late, exposure, readout));
+        };
+        if (view.camera == kLate) shows(0.5, 0, 0);
+        if (view.camera == kBlurs) shows(0, 1, 0);
+        if (view.camera == kRolls) shows(0, 0, 1);
+    }
     training::TrainSettings settings;
     settings.steps = 1;
-    settings.shape.resolution = 48;
+    settings.shape.resolution = 64;
     const auto go_on = [](const training::RigSearchProgress&) { return true; };
     const auto found = training::search_rig(device(), dataset, settings, false, go_on);
     ASSERT_TRUE(found);
     for (uint32_t camera = 0; camera < dataset.cameras.size(); ++camera) {
+        SCOPED_TRACE(camera);
         EXPECT_EQ(found->changes.poses[camera], PoseChange{});
-        EXPECT_EQ(training::is_late(*found, camera), camera == 7) << found->changes.frames_late[camera];
+        EXPECT_EQ(training::is_late(*found, camera), camera == kLate) << found->changes.frames_late[camera];
+        EXPECT_EQ(training::is_rolling(*found, camera), camera == kRolls) << found->changes.readout[camera];
+        EXPECT_EQ(found->blur[camera] > training::kWorthBlur, camera == kBlurs) << found->blur[camera];
     }
-    EXPECT_GT(found->changes.frames_late[7], 0);
+    EXPECT_GT(found->changes.frames_late[kLate], 0.2);
+    EXPECT_GT(found->changes.readout[kRolls], 0.6);
     EXPECT_TRUE(training::worthwhile(*found).time);
-    EXPECT_TRUE(training::left_out({{}, found->changes.frames_late})[7]);
+    EXPECT_TRUE(training::left_out({{}, found->changes.frames_late})[kLate]);
 }
 
 TEST_F(RigSearchTest, ARunLeavesOutWhoIsBetweenFramesAgainWhenItIsResumed) {

@@ -92,11 +92,21 @@ void print_poses(const std::vector<training::RefinedPose>& poses, const std::vec
     if (still) tell_if_possible("the poses of all cameras stayed within {} pixels\n", kStillPixels);
 }
 
-void print_times(const std::vector<double>& frames_late, const std::vector<training::RigCamera>& cameras) {
+void print_times(const training::RigChanges& changes, const std::vector<training::RigCamera>& cameras) {
+    const std::vector<double>& frames_late = changes.frames_late;
     if (frames_late.empty()) return;
-    const std::vector<bool> out = training::left_out({{}, frames_late});
+    const std::vector<bool> out = training::left_out(changes);
     bool agree = true;
     for (size_t i = 0; i < frames_late.size(); ++i) {
+        if (i < changes.readout.size() && changes.readout[i] != 0) {
+            agree = false;
+            tell_if_possible(
+                "camera {}: a rolling shutter, by {:+.2f} frames from its top row to the bottom one; its "
+                "images {}\n",
+                cameras[i].name, changes.readout[i],
+                out[i] ? "were left out" : "were used all the same, as those of many cameras are so");
+            if (out[i]) continue;
+        }
         const auto whole = static_cast<int>(std::lround(frames_late[i]));
         const bool between = training::is_between_frames(frames_late[i]);
         if (whole == 0 && !between) continue;
@@ -106,7 +116,7 @@ void print_times(const std::vector<double>& frames_late, const std::vector<train
                          : between ? "lie between frames, as those of many cameras do, and were used all the same"
                                    : fmt::format("were moved by {:+} frames", whole));
     }
-    if (agree) tell_if_possible("no camera was found to be late\n");
+    if (agree) tell_if_possible("no camera was found to be late, or to have a rolling shutter\n");
 }
 
 }  // namespace
@@ -177,8 +187,10 @@ bool correct_rig(const gpu::Device& device, const training::Dataset& dataset, co
     settings.refine = what.colour;
     if (found && what.poses) settings.rig.poses = found->changes.poses;
     if (found && what.time)
-        for (size_t i = 0; i < dataset.cameras.size(); ++i)
+        for (size_t i = 0; i < dataset.cameras.size(); ++i) {
             settings.rig.frames_late.push_back(training::is_late(*found, i) ? found->changes.frames_late[i] : 0);
+            settings.rig.readout.push_back(training::is_rolling(*found, i) ? found->changes.readout[i] : 0);
+        }
     if (settings.steps == 0) {
         if (settings.minutes == 0) settings.minutes = training::kDefaultMinutes;
         settings.minutes = std::max(settings.minutes - (seconds_now() - began) / 60, 0.01);
@@ -189,7 +201,7 @@ bool correct_rig(const gpu::Device& device, const training::Dataset& dataset, co
 void print_corrections(const training::TrainProgress& last, const std::vector<training::RigCamera>& cameras) {
     print_colours(last.colours, cameras);
     print_poses(last.poses, cameras);
-    print_times(last.frames_late, cameras);
+    print_times({{}, last.frames_late, last.readout}, cameras);
 }
 
 namespace {
@@ -200,6 +212,23 @@ std::string late_text(const training::RigFindings& findings, size_t camera) {
     const std::string text =
         fmt::format("{:+.2f} ± {:.2f}", findings.changes.frames_late[camera], findings.late_by[camera]);
     return training::worthwhile(findings).poses ? text + " or moved" : text;
+}
+
+// Shutters that differ from those of the other cameras; what all have in common, the draft has, too.
+void print_shutters(const training::RigFindings& findings, const std::vector<training::RigCamera>& cameras) {
+    bool agree = true;
+    for (size_t i = 0; i < cameras.size(); ++i) {
+        if (training::is_rolling(findings, i))
+            tell("camera {}: a rolling shutter: its bottom row is {:+.2f} ± {:.2f} frames later than its top one\n",
+                 cameras[i].name, findings.changes.readout[i], findings.roll_by[i]);
+        else if (findings.blur[i] > training::kWorthBlur)
+            tell("camera {}: what moves is blurred: an exposure longer by about {:.1f} frames than that of most\n",
+                 cameras[i].name, findings.blur[i]);
+        else
+            continue;
+        agree = false;
+    }
+    if (agree) tell("no camera has a shutter that rolls, or blurs, more than those of the others\n");
 }
 
 }  // namespace
@@ -220,6 +249,7 @@ void print_findings(const training::RigFindings& findings, const std::vector<tra
             100 * training::exposure_error(colours, i), 1 - training::missing_at_corners(colours, i),
             late_text(findings, i));
     }
+    print_shutters(findings, cameras);
     tell("worth correcting (neuvv train --refine auto): {}\n", names_of(training::worthwhile(findings)));
 }
 

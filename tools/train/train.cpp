@@ -431,7 +431,8 @@ void add_train(Command app, CommonOptions& common) {
         "--refine", options->refine,
         "What else is learnt, of the cameras, one or more after commas. colour: gains and white balance; "
         "exposure: of each image; vignetting: lenses that darken towards the corners; poses: corrections "
-        "of poses and focal lengths; time: cameras that are late, not together with poses; auto, alone: those of "
+        "of poses and focal lengths; time: cameras that are late or whose shutter rolls, not together with poses; "
+        "auto, alone: those of "
         "these that are worth it; none, alone. poses, time and auto begin with a search, of a fifth of --minutes or "
         "--steps at most (default: colour and exposure, where the first part of the run shows that cameras differ; "
         "none in segments, with several processes, and of what --background learns)");

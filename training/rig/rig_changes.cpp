@@ -29,6 +29,8 @@ bool is_between_frames(double frames_late) {
 std::vector<bool> left_out(const RigChanges& changes) {
     std::vector<bool> out;
     for (const double late : changes.frames_late) out.push_back(is_between_frames(late));
+    for (size_t i = 0; i < std::min(out.size(), changes.readout.size()); ++i)
+        out[i] = out[i] || std::abs(changes.readout[i]) > kMostReadout;
     if (static_cast<size_t>(std::ranges::count(out, true)) * kMostLeftOut > out.size()) out.assign(out.size(), false);
     return out;
 }

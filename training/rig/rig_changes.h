@@ -12,22 +12,32 @@ struct RigChanges {
     // The frames by which the camera's shutter is late: its image of frame t shows the performer at t + this.
     std::vector<double> frames_late;
 
-    bool empty() const { return poses.empty() && frames_late.empty(); }
+    // The frames by which the bottom of the camera's images is later than their top, as far as it is alone in that: a
+    // rolling shutter.
+    std::vector<double> readout;
+
+    bool empty() const { return poses.empty() && frames_late.empty() && readout.empty(); }
     bool operator==(const RigChanges&) const = default;
 };
 
 constexpr double kMostFramesLate = 1;  // more cannot be told from images of two neighbouring frames
 
 // A camera that is found further from all whole frames shows the performer as no frame of the clip has it. What is
-// found falls short of the truth, as the camera's own images are part of the draft: half a frame is found as 0.2
+// found falls short of the truth, as the camera's own images are part of the draft: half a frame is found as 0.3
 // (RESULTS.md).
 constexpr double kMostOffFrame = 0.12;
+
+// With a longer readout, the first and last rows of a camera are as far from frames as the images of one between them.
+// Clean rigs seem to have readouts of up to 0.4, though not with certainty.
+constexpr double kMostReadout = 0.4;
+constexpr double kLongestReadout = 10;  // that is taken for a number of frames
 
 // Whether a camera's images are of no use, by how late it is.
 bool is_between_frames(double frames_late);
 
-// By camera, whether its images are left out: those between frames, unless they are more than a quarter of all. Then
-// the rig as a whole has no common frames, and images that blend them are better than none.
+// By camera, whether its images are left out: those between frames, and those of which the rows are, unless they are
+// more than a quarter of all. Then the rig as a whole has no common frames, and images that blend them are better than
+// none.
 std::vector<bool> left_out(const RigChanges& changes);
 
 // What the change of one camera's pose comes to.
@@ -41,7 +51,7 @@ std::vector<RefinedPose> refined_poses(const RigChanges& changes, const Dataset&
 
 // Moves the cameras, moves images of cameras that are late by whole frames to the frames that they show, and removes
 // images that are left out or beyond the clip. Throws InputError where a frame would be left without an image. The
-// changes must be of as many cameras (assert).
+// changes must be of as many cameras (assert); images are left out only where `frames_late` is not empty.
 void apply(const RigChanges& changes, Dataset& dataset);
 
 }  // namespace neuvv::training

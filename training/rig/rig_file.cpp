@@ -44,6 +44,7 @@ void write_rig_correction(const std::filesystem::path& clip, const RigCorrection
         if (!changes.poses.empty())
             for (size_t number = 0; number < kPoseNumbers; ++number) camera[kNames[number]] = changes.poses[i][number];
         if (!changes.frames_late.empty()) camera["frames_late"] = changes.frames_late[i];
+        if (!changes.readout.empty()) camera["readout"] = changes.readout[i];
         cameras.push_back(std::move(camera));
     }
     write_text_file(rig_file(clip), json_text({{"neuvv_rig", kVersion},
@@ -71,9 +72,12 @@ std::optional<RigCorrection> read_rig_correction(const std::filesystem::path& cl
         const JsonNode camera = cameras[i];
         correction.cameras.push_back(json_string(camera["name"]));
         if (poses) correction.changes.poses.push_back(pose_from(camera));
-        if (time)
-            correction.changes.frames_late.push_back(
-                json_number(camera["frames_late"], -kMostFramesLate, kMostFramesLate, "a number of frames"));
+        if (!time) continue;
+        correction.changes.frames_late.push_back(
+            json_number(camera["frames_late"], -kMostFramesLate, kMostFramesLate, "a number of frames"));
+        correction.changes.readout.push_back(camera.has("readout") ? json_number(camera["readout"], -kLongestReadout,
+                                                                                 kLongestReadout, "a number of frames")
+                                                                   : 0);
     }
     return correction;
 }
@@ -100,6 +104,8 @@ RigChanges changes_of(const RigCorrection& correction, const std::vector<RigCame
         if (!correction.changes.poses.empty())
             changes.poses.push_back(index ? correction.changes.poses[*index] : PoseChange{});
         if (!late.empty()) changes.frames_late.push_back(index ? late[*index] - std::round(late[*index]) : 0);
+        if (!correction.changes.readout.empty())
+            changes.readout.push_back(index ? correction.changes.readout[*index] : 0);
     }
     return changes;
 }

@@ -15,23 +15,79 @@ std::vector<glm::vec4> traced(TrainingStep& step, const Batch& batch, size_t fir
     return {rays, rays + (end - first) * kTilePixels};
 }
 
-double absolute_difference(glm::dvec3 a, glm::dvec3 b) {
-    return glm::dot(glm::abs(a - b), glm::dvec3(1));
+size_t band_of(const stage::Camera& camera, uint32_t row) {
+    return std::min<size_t>(size_t{row} * kRowBands / camera.height, kRowBands - 1);
+}
+
+TimeEvidence::Sums sum_of(const TimeEvidence::Bands& bands) {
+    TimeEvidence::Sums sum;
+    for (const TimeEvidence::Sums& band : bands) sum += band;
+    return sum;
+}
+
+double late_by(const TimeEvidence::Sums& next, const TimeEvidence::Sums& previous) {
+    if (next.motion <= 0 || previous.motion <= 0) return 0;
+    return std::clamp(next.along / next.motion - previous.along / previous.motion, -1.0, 1.0);
 }
 
 }  // namespace
 
+TimeEvidence::Sums& TimeEvidence::Sums::operator+=(const Sums& other) {
+    along += other.along;
+    motion += other.motion;
+    error += other.error;
+    return *this;
+}
+
 double TimeEvidence::frames_late() const {
-    if (next.motion <= 0 || previous.motion <= 0) return 0;
-    const double forwards = (next.own - next.beside) / next.motion;
-    const double backwards = (previous.own - previous.beside) / previous.motion;
-    return std::clamp(0.5 * (forwards - backwards), -1.0, 1.0);
+    return late_by(sum_of(next), sum_of(previous));
+}
+
+// A line through how late bands are, each with its motion as its weight.
+Readout TimeEvidence::readout() const {
+    double weights = 0, squared_weights = 0, row = 0, late = 0, row_row = 0, row_late = 0, late_late = 0;
+    int bands = 0;
+    for (size_t band = 0; band < kRowBands; ++band) {
+        const double weight = std::min(next[band].motion, previous[band].motion);
+        if (weight <= 0) continue;
+        const double x = (static_cast<double>(band) + 0.5) / kRowBands, y = late_by(next[band], previous[band]);
+        ++bands;
+        weights += weight;
+        squared_weights += weight * weight;
+        row += weight * x;
+        late += weight * y;
+        row_row += weight * x * x;
+        row_late += weight * x * y;
+        late_late += weight * y * y;
+    }
+    if (bands < 3) return {};
+    const double mean_row = row / weights, mean_late = late / weights;
+    const double spread = row_row / weights - mean_row * mean_row;
+    const double slope = (row_late / weights - mean_row * mean_late) / spread;
+    const double off_line = std::max(late_late / weights - mean_late * mean_late - slope * slope * spread, 0.0);
+    const double equal_bands = weights * weights / squared_weights;  // as many say as much
+    return {slope, std::sqrt(off_line / spread / std::max(equal_bands - 1, 0.5))};
+}
+
+double TimeEvidence::blur() const {
+    const Sums after = sum_of(next), before = sum_of(previous);
+    if (after.motion <= 0 || before.motion <= 0) return 0;
+    return 8 * std::min(after.along / after.motion, before.along / before.motion);
 }
 
 double TimeEvidence::contrast() const {
-    const double own = next.own + previous.own;
-    if (next.motion <= 0 || previous.motion <= 0) return 0;
-    return own > 0 ? (next.motion + previous.motion) / own : 0;
+    const Sums after = sum_of(next), before = sum_of(previous);
+    const double error = after.error + before.error;
+    if (after.motion <= 0 || before.motion <= 0 || error <= 0) return 0;
+    return std::sqrt((after.motion + before.motion) / error);
+}
+
+TimeEvidence& TimeEvidence::operator+=(const TimeEvidence& other) {
+    for (size_t band = 0; band < kRowBands; ++band) {
+        next[band] += other.next[band];
+        previous[band] += other.previous[band];
+    }
+    return *this;
 }
 
 void add_time_evidence(TrainingStep& step, const std::vector<stage::Camera>& cameras, const CameraColours& colours,
@@ -51,11 +107,13 @@ void add_time_evidence(TrainingStep& step, const std::vector<stage::Camera>& cam
             const CameraColour colour =
                 colours.empty() ? kNeutralColour : colours.of_tile(batch, tile, cameras[camera]);
             const glm::dvec3 photographed = encoded(glm::vec3(truth) + (1 - truth.a) * glm::vec3(behind));
-            TimeEvidence::Sums& sums = beside > frame ? evidence[camera].next : evidence[camera].previous;
-            const glm::dvec3 now = shown(colour, here[i], behind), then = shown(colour, there[i], behind);
-            sums.own += absolute_difference(photographed, now);
-            sums.beside += absolute_difference(photographed, then);
-            sums.motion += absolute_difference(now, then);
+            const glm::dvec3 now = shown(colour, here[i], behind), motion = shown(colour, there[i], behind) - now;
+            TimeEvidence::Bands& bands = beside > frame ? evidence[camera].next : evidence[camera].previous;
+            TimeEvidence::Sums& sums =
+                bands[band_of(cameras[camera], batch.tiles[tile].y + static_cast<uint32_t>(i % kTilePixels / kTile))];
+            sums.along += glm::dot(photographed - now, motion);
+            sums.motion += glm::dot(motion, motion);
+            sums.error += glm::dot(photographed - now, photographed - now);
         }
     }
 }

@@ -1,26 +1,45 @@
 // By how much a camera is late, from how well its images fit the field at the frames beside their own.
 #pragma once
 
+#include <array>
+#include <limits>
+
 #include "training/step/camera_colour.h"
 #include "training/step/step.h"
 
 namespace neuvv::training {
 
-// Sums of absolute differences of a camera's images, asked about the next frame, and asked about the previous one.
+constexpr size_t kRowBands = 8;
+
+// What a camera's images say when they are asked about the next frame, and about the previous one, by bands of rows
+// from the top of the image to its bottom. By how many frames the bottom of an image is later than its top, and the
+// standard deviation of that, by how well bands of rows lie on a line; infinite where less than three bands move.
+struct Readout {
+    double frames = 0, deviation = std::numeric_limits<double>::infinity();
+};
+
 struct TimeEvidence {
     struct Sums {
-        double own = 0;     // between images and renders at their own frame
-        double beside = 0;  // between images and renders at the frame beside it
-        double motion = 0;  // between the two renders
-    };
-    Sums next, previous;
+        double along = 0;  // (image − render at its frame) · (render at the frame beside it − render at its frame)
+        double motion = 0;  // the square of the latter
+        double error = 0;   // the square of the former
 
-    // The frames by which the camera's shutter is late, −1 to 1; 0 where nothing moves. Half a frame later, an image is
-    // as far from its own frame as from the next one. An error of the camera's pose raises all differences, and not
-    // always alike: where it is as large as the motion, this is of no use.
+        Sums& operator+=(const Sums& other);
+    };
+    using Bands = std::array<Sums, kRowBands>;
+    Bands next, previous;
+
+    // The frames by which the camera's shutter is late, −1 to 1; 0 where nothing moves: the share of the way to the
+    // next frame, less that to the previous one, of a least squares fit. An error of the camera's pose is no motion,
+    // and not always alike on both ways: where it is as large as the motion, this is of no use.
     double frames_late() const;
+    Readout readout() const;
+    // The exposure in frames, less some number that all cameras of a draft have in common: what moves is seen before
+    // and behind where it is at its frame, by an eighth of the exposure each.
+    double blur() const;
     // The motion as a share of the difference at the own frame; 0 where images of one side are missing.
     double contrast() const;
+    TimeEvidence& operator+=(const TimeEvidence& other);
 };
 
 // Adds what the tiles of a batch say, with renders at its frame and at the frame beside it. Bound by two traces of the

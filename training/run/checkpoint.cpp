@@ -182,14 +182,16 @@ std::vector<PoseChange> read_poses(const std::filesystem::path& path, const std:
     return poses;
 }
 
-std::vector<double> read_frames_late(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks) {
-    const auto found = std::ranges::find(chunks, std::string("late"), &voctree::NvvChunk::name);
+// Numbers of frames by camera, none larger than `most`; nothing where the file has no such chunk.
+std::vector<double> read_frames(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks,
+                                const char* name, double most) {
+    const auto found = std::ranges::find(chunks, std::string(name), &voctree::NvvChunk::name);
     if (found == chunks.end()) return {};
-    const std::vector<double> late =
-        read_chunk<double>(path, chunks, "late", std::max<size_t>(found->bytes.size() / sizeof(double), 1));
-    for (const double frames : late)
-        if (!(std::abs(frames) <= kMostFramesLate)) fail_chunk(path, "late", "holds a number that no run can find");
-    return late;
+    const std::vector<double> by_camera =
+        read_chunk<double>(path, chunks, name, std::max<size_t>(found->bytes.size() / sizeof(double), 1));
+    for (const double frames : by_camera)
+        if (!(std::abs(frames) <= most)) fail_chunk(path, name, "holds a number that no run can find");
+    return by_camera;
 }
 
 std::string weight_key(const NamedLossWeight& one) {
@@ -336,6 +338,7 @@ uint32_t save_checkpoint(const std::filesystem::path& nvv, Checkpoint checkpoint
     append_learnt(chunks, kVignetteChunks, colours.vignettes);
     if (!checkpoint.rig.poses.empty()) chunks.push_back(chunk("pose", checkpoint.rig.poses));
     if (!checkpoint.rig.frames_late.empty()) chunks.push_back(chunk("late", checkpoint.rig.frames_late));
+    if (!checkpoint.rig.readout.empty()) chunks.push_back(chunk("roll", checkpoint.rig.readout));
     {
         const TraceSpan span("write the state");
         voctree::write_nvv(state_path(nvv), checkpoint.tree, chunks, 1);
@@ -374,7 +377,8 @@ Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
     checkpoint.use.frames =
         read_chunk<uint32_t>(path, chunks, "frms", size_t{(tree.frames + 31) / 32} * tree.leaf_count);
     checkpoint.colours = read_all_colours(path, chunks, tree.frames);
-    checkpoint.rig = {read_poses(path, chunks), read_frames_late(path, chunks)};
+    checkpoint.rig = {read_poses(path, chunks), read_frames(path, chunks, "late", kMostFramesLate),
+                      read_frames(path, chunks, "roll", kLongestReadout)};
     return checkpoint;
 }
 

@@ -222,21 +222,41 @@ void RigSearch::make_round(const BetweenSteps& now) {
         found_.unsteady_px = root_mean_square(motion_between(given_, steady_, found_.changes.poses, centre_));
 }
 
-// How late cameras are, by the mean of the last rounds.
+// What the last rounds say of shutters: of how late they are, the mean of the rounds, of the rest, all rounds together.
 void RigSearch::conclude_times() {
-    found_.changes.frames_late.assign(given_.size(), 0);
-    found_.late_by.assign(given_.size(), std::numeric_limits<double>::infinity());
-    for (size_t camera = 0; camera < given_.size(); ++camera) {
+    const size_t cameras = given_.size();
+    found_.changes.frames_late.assign(cameras, 0);
+    found_.changes.readout.assign(cameras, 0);
+    found_.blur.assign(cameras, 0);
+    found_.late_by.assign(cameras, std::numeric_limits<double>::infinity());
+    found_.roll_by = found_.late_by;
+    std::vector<double> blurs;
+    for (size_t camera = 0; camera < cameras; ++camera) {
+        TimeEvidence all;
         double sum = 0, squares = 0, count = 0;
         for (const std::vector<TimeEvidence>& round : lateness_) {
             if (round[camera].contrast() < kLeastContrast) continue;
             const double late = round[camera].frames_late();
             sum += late, squares += late * late, count++;
+            all += round[camera];
         }
         if (count < 2) continue;
         const double mean = sum / count;
+        const Readout readout = all.readout();
         found_.changes.frames_late[camera] = mean;
+        found_.changes.readout[camera] = std::clamp(readout.frames, -kLongestReadout, kLongestReadout);
         found_.late_by[camera] = std::sqrt(std::max(squares / count - mean * mean, 0.0) / (count - 1));
+        found_.roll_by[camera] = readout.deviation;
+        found_.blur[camera] = all.blur();
+        blurs.push_back(found_.blur[camera]);
+    }
+    if (blurs.empty()) return;
+    const auto middle = blurs.begin() + static_cast<ptrdiff_t>(blurs.size() / 2);
+    std::ranges::nth_element(blurs, middle);
+    for (size_t camera = 0; camera < cameras; ++camera) {
+        const bool known = found_.late_by[camera] < kMostDeviation;
+        const bool moves_otherwise = is_late(found_, camera) || is_rolling(found_, camera);
+        found_.blur[camera] = known && !moves_otherwise ? found_.blur[camera] - *middle : 0;
     }
 }
 
@@ -281,10 +301,16 @@ bool is_late(const RigFindings& findings, size_t camera) {
     return by < kMostDeviation && late > kWorthFrames && late > kDeviations * by;
 }
 
+bool is_rolling(const RigFindings& findings, size_t camera) {
+    const double readout = std::abs(findings.changes.readout[camera]);
+    return readout > kMostReadout && readout > kReadoutDeviations * findings.roll_by[camera];
+}
+
 Refinement worthwhile(const RigFindings& findings) {
     Refinement what;
     what.colour = worthwhile(findings.colours);
-    for (size_t camera = 0; camera < findings.motion_px.size(); ++camera) what.time |= is_late(findings, camera);
+    for (size_t camera = 0; camera < findings.motion_px.size(); ++camera)
+        what.time |= is_late(findings, camera) || is_rolling(findings, camera);
     // Poses of a draft that ended early, whose leaves are coarse, or that still move are those of the draft, not of the
     // rig: cameras that stand exactly would be moved away.
     const double motion_px = root_mean_square(findings.motion_px);

@@ -19,6 +19,8 @@ namespace neuvv::training {
 struct RigFindings {
     RigChanges changes;             // the numbers for all cameras
     std::vector<double> late_by;    // the standard deviation of RigChanges::frames_late
+    std::vector<double> roll_by;    // that of RigChanges::readout; both are infinite where too little moves
+    std::vector<double> blur;       // by how many frames an exposure is longer than that of most cameras; 0: not known
     CameraColours colours;          // what TrainSettings::refine asks for
     std::vector<double> psnr;       // of the draft against some of the camera's tiles, dB; 0 where there are none
     std::vector<double> motion_px;  // by how much the change of the pose moves the image
@@ -56,8 +58,12 @@ constexpr double kMostUnsteady = 0.25;  // of that motion: where the last rounds
 constexpr double kWorthFrames = kMostOffFrame, kMostDeviation = 0.1;  // of how late any camera is
 constexpr double kDeviations = 4;  // by how many standard deviations it has to be late
 
-// Whether a camera is late by these constants.
+constexpr double kReadoutDeviations = 5;  // of a readout, which counts from kMostReadout on
+constexpr double kWorthBlur = 0.4;        // of an exposure, to be told; clean rigs seem to have up to 0.2
+
+// Whether a camera is late, and whether its shutter rolls, by these constants.
 bool is_late(const RigFindings& findings, size_t camera);
+bool is_rolling(const RigFindings& findings, size_t camera);
 
 // The corrections that are worth making (`--refine auto`): those that the findings say with more certainty than a clean
 // rig gives them.

@@ -102,8 +102,8 @@ void Run::go_on_from_checkpoint() {
                          fmt::format("has {} frames, {} has {}", checkpoint.tree.frames, dataset_.folder.string(),
                                      dataset_.times.size()),
                          "resume with the data set that the run began with");
-    for (const size_t cameras :
-         {checkpoint.colours.cameras(), checkpoint.rig.poses.size(), checkpoint.rig.frames_late.size()})
+    for (const size_t cameras : {checkpoint.colours.cameras(), checkpoint.rig.poses.size(),
+                                 checkpoint.rig.frames_late.size(), checkpoint.rig.readout.size()})
         if (cameras > 0 && cameras != dataset_.cameras.size())
             throw InputError(state_path(output_).string(), "",
                              fmt::format("is of a rig of {} cameras, {} has {}", cameras, dataset_.folder.string(),
@@ -349,6 +349,7 @@ TrainProgress Run::progress() const {
     now.colour_choice = run_.colour_choice;
     now.poses = poses_;
     now.frames_late = rig_.frames_late;
+    now.readout = rig_.readout;
     now.field = &trained_.step->field();
     return now;
 }

@@ -84,6 +84,7 @@ struct TrainProgress {
     ColourChoice colour_choice = ColourChoice::kGiven;
     std::vector<RefinedPose> poses;        // by camera, where they were refined
     std::vector<double> frames_late;       // the same
+    std::vector<double> readout;           // the same
     const render::Field* field = nullptr;  // the current model; the callback may use it until it returns
 };
 
