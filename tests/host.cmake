@@ -58,6 +58,9 @@ add_test(NAME stream_vectors_in_python COMMAND python3 ${CMAKE_CURRENT_SOURCE_DI
          ${CMAKE_CURRENT_SOURCE_DIR}/stream/vectors/small.nvs ${CMAKE_CURRENT_SOURCE_DIR}/stream/vectors/usual.nvs
          ${CMAKE_CURRENT_SOURCE_DIR}/stream/vectors/fine.nvs)
 set_tests_properties(stream_vectors_in_python PROPERTIES LABELS cpu)
+# And by the decoder as browsers run it, where emscripten and Node are.
+add_test(NAME stream_vectors_in_webassembly COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/stream/webassembly/check)
+set_tests_properties(stream_vectors_in_webassembly PROPERTIES LABELS cpu SKIP_RETURN_CODE 77)
 
 neuvv_test(media_test HOSTILE
   SOURCES

@@ -17,7 +17,7 @@
 #include "base/platform.h"
 #include "base/trace_file.h"
 #include "gpu/debug_buffer.h"
-#include "stream/transfer_watch.h"
+#include "stream/transport/transfer_watch.h"
 #include "tools/commands.h"
 #include "tools/help_text.h"
 #include "tools/remedies.h"

@@ -13,7 +13,7 @@
 #include "base/text.h"
 #include "editor/open_file.h"
 #include "stage/file/stage_file.h"
-#include "stream/byte_source.h"
+#include "stream/transport/byte_source.h"
 #include "voctree/files/clip_index.h"
 
 namespace neuvv::tools {

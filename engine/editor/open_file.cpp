@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "edit/operations.h"
 #include "stage/stage.h"
-#include "stream/byte_source.h"
+#include "stream/transport/byte_source.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/clip_index.h"
 #include "voctree/files/occupied_box.h"

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "stage/pose.h"
-#include "stream/byte_source.h"
+#include "stream/transport/byte_source.h"
 #include "voctree/files/clip.h"
 
 namespace neuvv::stage {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "shared/hh_counts.h"
-#include "stream/quantised_slice.h"
+#include "stream/codec/quantised_slice.h"
 #include "voctree/slice_paint.h"
 #include "voctree/voctree.h"
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "stream/quantised_slice.h"
+#include "stream/codec/quantised_slice.h"
 #include "voctree/slice_paint.h"
 #include "voctree/voctree.h"
 

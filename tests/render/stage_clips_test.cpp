@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "render/clips/stage_renderer.h"
-#include "stream/nvs_writer.h"
+#include "stream/transport/nvs_writer.h"
 #include "support/gpu_test.h"
 #include "support/input_error.h"
 #include "support/look_at.h"

@@ -1,5 +1,5 @@
 // Blocks on the disk.
-#include "stream/block_cache.h"
+#include "stream/transport/block_cache.h"
 
 #include <gtest/gtest.h>
 

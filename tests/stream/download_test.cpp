@@ -1,5 +1,5 @@
 // Whole files from a server.
-#include "stream/download.h"
+#include "stream/transport/download.h"
 
 #include <gtest/gtest.h>
 

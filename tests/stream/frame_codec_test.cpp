@@ -1,5 +1,5 @@
 // Frames as bytes and back.
-#include "stream/frame_decoder.h"
+#include "stream/codec/frame_decoder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The choice of how many parts of a stream are taken.
-#include "stream/ladder.h"
+#include "stream/transport/ladder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Streams on the disk, and slices as trees.
-#include "stream/nvs_reader.h"
-#include "stream/nvs_writer.h"
+#include "stream/transport/nvs_reader.h"
+#include "stream/transport/nvs_writer.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stream/quantised_slice.h"
+#include "stream/codec/quantised_slice.h"
 #include "support/random_tree.h"
 
 namespace neuvv::test {

@@ -1,11 +1,11 @@
 // Symbols as bytes and back.
-#include "stream/rans.h"
+#include "stream/codec/rans.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "stream/symbols.h"
+#include "stream/codec/symbols.h"
 #include "support/random_tree.h"
 
 namespace neuvv::test::rans_test {

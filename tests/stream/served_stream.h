@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "stream/http_source.h"
-#include "stream/nvs_reader.h"
-#include "stream/nvs_writer.h"
 #include "stream/random_slice.h"
+#include "stream/transport/http_source.h"
+#include "stream/transport/nvs_reader.h"
+#include "stream/transport/nvs_writer.h"
 #include "support/child_process.h"
 #include "support/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // How long servers may take, and where redirects may lead.
-#include "stream/transfer_watch.h"
+#include "stream/transport/transfer_watch.h"
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>

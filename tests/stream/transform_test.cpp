@@ -1,6 +1,6 @@
 // The octree of a slice and the transform of its planes.
-#include "stream/transform.h"
-#include "stream/planes.h"
+#include "stream/codec/transform.h"
+#include "stream/codec/planes.h"
 
 #include <gtest/gtest.h>
 

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/formats/json.h"
-#include "stream/nvs_reader.h"
-#include "stream/nvs_writer.h"
 #include "stream/random_slice.h"
+#include "stream/transport/nvs_reader.h"
+#include "stream/transport/nvs_writer.h"
 
 namespace neuvv::test::vectors_test {
 namespace {

@@ -7,7 +7,7 @@
 #include "media/psnr.h"
 #include "reference/splats.h"
 #include "stage/stage.h"
-#include "stream/nvs_writer.h"
+#include "stream/transport/nvs_writer.h"
 #include "tests/tools/cli_gpu.h"
 #include "voctree/files/world_frame.h"
 

@@ -15,7 +15,8 @@
 #include "base/formats/json.h"
 #include "base/output_path.h"
 #include "base/platform.h"
-#include "stream/nvs_writer.h"
+#include "base/threads/parallel.h"
+#include "stream/transport/nvs_writer.h"
 #include "tools/commands.h"
 #include "tools/compared_views.h"
 #include "tools/publish/published_scene.h"
@@ -82,7 +83,7 @@ std::vector<stream::FrameSymbols> encode_group(const std::vector<stream::Slice>&
         std::optional<stream::FrameBefore> frame_before;
         if (i > 0) frame_before.emplace(stream::FrameBefore{slices[i - 1], before});
         if (of_key >= kFramesBetweenKeys) frame_before->least_repeated = kLittleRepeated;
-        frames.push_back(stream::encode(slices[i], steps_of(strength), frame_before, decoded));
+        frames.push_back(stream::encode(slices[i], steps_of(strength), frame_before, decoded, parallel_for));
         of_key = frames.back().is_key ? 1 : of_key + 1;
     }
     return frames;
@@ -140,7 +141,7 @@ int Publisher::strength_for_quality(const voctree::VOctree& tree, std::span<cons
         last = 99;
         for (size_t i = 0; i < slices.size(); ++i) {
             stream::Slice decoded;
-            stream::encode(slices[i], steps_of(one), {}, decoded);
+            stream::encode(slices[i], steps_of(one), {}, decoded, parallel_for);
             const media::Image image =
                 views.render_still(voctree::tree_of(decoded, tree.box_min, tree.box_size, tree.fps), i);
             last = std::min(last, worst_psnr({truth[i]}, {image}));

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "base/formats/json.h"
-#include "stream/nvs_reader.h"
+#include "stream/transport/nvs_reader.h"
 #include "tools/report.h"
 #include "tools/say.h"
 

@@ -14,7 +14,7 @@
 #include "gpu/frame_capture.h"
 #include "media/image_sink.h"
 #include "render/frame/frame_passes.h"
-#include "stream/nvs_reader.h"
+#include "stream/transport/nvs_reader.h"
 #include "tools/options.h"
 #include "tools/remedies.h"
 #include "tools/render/render.h"

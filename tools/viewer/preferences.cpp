@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "editor/preference_file.h"
-#include "stream/byte_source.h"
+#include "stream/transport/byte_source.h"
 
 namespace neuvv::viewer {
 

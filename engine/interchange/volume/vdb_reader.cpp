@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "interchange/volume/vdb_types.h"
-#include "stream/bytes.h"
+#include "stream/codec/bytes.h"
 
 namespace neuvv::interchange {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "stream/bytes.h"
+#include "stream/codec/bytes.h"
 
 namespace neuvv::interchange {
 

@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "stage/file/gltf_container.h"
 #include "stage/file/json_splice.h"
-#include "stream/byte_source.h"
+#include "stream/transport/byte_source.h"
 
 namespace neuvv::stage {
 

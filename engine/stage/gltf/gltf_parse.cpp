@@ -15,7 +15,7 @@
 #include "stage/file/stage_file.h"
 #include "stage/gltf/gltf_check.h"
 #include "stage/gltf/gltf_mend.h"
-#include "stream/bytes.h"
+#include "stream/codec/bytes.h"
 
 namespace neuvv::stage {
 

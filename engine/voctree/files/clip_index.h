@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/file_stamp.h"
-#include "stream/nvs_reader.h"
+#include "stream/transport/nvs_reader.h"
 #include "voctree/files/plenoctree.h"
 
 namespace neuvv::voctree {

@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "stream/byte_source.h"
-#include "stream/download.h"
+#include "stream/transport/byte_source.h"
+#include "stream/transport/download.h"
 
 namespace neuvv::voctree {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "stream/quantised_slice.h"
+#include "stream/codec/quantised_slice.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::voctree {

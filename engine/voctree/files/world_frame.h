@@ -7,7 +7,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "stream/nvs_index.h"
+#include "stream/transport/nvs_index.h"
 #include "voctree/files/nvv.h"
 
 namespace neuvv::voctree {

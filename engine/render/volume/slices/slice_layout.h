@@ -5,7 +5,7 @@
 
 #include "render/volume/slices/walk_tree.h"
 #include "shared/slice_tree.h"
-#include "stream/quantised_slice.h"
+#include "stream/codec/quantised_slice.h"
 
 namespace neuvv::render {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "render/volume/slices/slice_tree.h"
-#include "stream/quantised_slice.h"
+#include "stream/codec/quantised_slice.h"
 
 namespace neuvv::render {
 

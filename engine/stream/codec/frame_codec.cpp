@@ -1,0 +1,212 @@
+#include "stream/codec/frame_codec.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "stream/codec/bytes.h"
+#include "stream/codec/repeats.h"
+#include "stream/codec/shape.h"
+
+namespace neuvv::stream {
+
+std::vector<int16_t> colour_factors_of(const std::vector<int16_t>& opacity) {
+    std::vector<int16_t> factors = opacity;
+    for (int16_t& factor : factors) factor = std::max(factor, kLeastOpacity);
+    return factors;
+}
+
+namespace {
+
+// From which fraction of a step on a coefficient is rounded up. Small ones cost more than they show.
+constexpr double kRoundUp = 0.6, kRoundUpSh = 0.67;
+constexpr int kMaxNumber = 32000;
+
+// Coefficients as numbers of steps.
+std::vector<std::array<int16_t, kPairs>> numbers_of(const Coefficients& coefficients, double step, Kind kind) {
+    const double up = kind >= kShLuma ? kRoundUpSh : kRoundUp;
+    std::vector<std::array<int16_t, kPairs>> numbers(coefficients.values.size());
+    for (size_t cell = 0; cell < numbers.size(); ++cell)
+        for (size_t n = 1; n < kPairs; ++n) {
+            const double value = coefficients.values[cell][n];
+            const double number = std::floor(std::min(std::abs(value) / step + 1 - up, double{kMaxNumber}));
+            numbers[cell][n] = static_cast<int16_t>(value < 0 ? -number : number);
+        }
+    return numbers;
+}
+
+// Encodes some planes, from `first` on, and sets those of `decoded` to what will be decoded.
+void encode_planes(const Slice& slice, const Octree& tree, const Pairs& pairs, std::span<const int16_t> factors,
+                   uint32_t first, uint32_t count, FrameSymbols& frame, Slice& decoded, const InParts& in_parts) {
+    in_parts(count, 3, [&](size_t begin, size_t end) {
+        std::vector<std::vector<std::array<int16_t, kPairs>>> numbers;
+        std::vector<PlaneOfTree> planes;
+        for (uint32_t plane = first + static_cast<uint32_t>(begin); plane < first + end; ++plane) {
+            const Kind kind = kind_of(plane);
+            const Coefficients coefficients = transform(tree, pairs, factors, slice.planes[plane]);
+            numbers.push_back(numbers_of(coefficients, frame.steps[kind], kind));
+            frame.roots[plane] = rounded_value(static_cast<float>(coefficients.root), plane);
+            decoded.planes[plane].resize(tree.leaf_count);
+            planes.push_back({plane, static_cast<float>(frame.roots[plane]), static_cast<float>(frame.steps[kind]),
+                              numbers.back(), decoded.planes[plane]});
+        }
+        code_planes(std::span(frame.coarse).subspan(first + begin, end - begin),
+                    std::span(frame.fine).subspan(first + begin, end - begin), tree, pairs, slice.depth, planes);
+    });
+}
+
+// The planes of a slice without repeated blocks. Colours need the decoded opacity.
+void encode_all_planes(const Slice& slice, const Octree& tree, FrameSymbols& frame, Slice& decoded,
+                       const InParts& in_parts) {
+    const auto planes = static_cast<uint32_t>(slice.planes.size());
+    decoded.planes.resize(planes);
+    encode_planes(slice, tree, Pairs(tree), {}, kOpacityPlane, 1, frame, decoded, in_parts);
+    const std::vector<int16_t> factors = colour_factors_of(decoded.planes[kOpacityPlane]);
+    encode_planes(slice, tree, Pairs(tree, factors, 1.0 / kUnit), factors, kFirstColourPlane, planes - 1, frame,
+                  decoded, in_parts);
+}
+
+// Whether the leaves of a block, from `a` on, are those of the other slice from `b` on.
+bool is_same(const Slice& slice, size_t a, const Slice& before, size_t b, size_t count) {
+    const auto same = [&](const auto& one, const auto& other) {
+        return std::equal(one.begin() + static_cast<ptrdiff_t>(a), one.begin() + static_cast<ptrdiff_t>(a + count),
+                          other.begin() + static_cast<ptrdiff_t>(b));
+    };
+    if (!same(slice.leaves, before.leaves)) return false;
+    for (size_t plane = 0; plane < slice.planes.size(); ++plane)
+        if (!same(slice.planes[plane], before.planes[plane])) return false;
+    return true;
+}
+
+// Whether the leaves are in the same places and their planes differ by no more than rounding them does: by as much as
+// coefficients of half a step.
+bool is_similar(const Slice& slice, size_t a, const Slice& before, size_t b, size_t count, const Steps& steps) {
+    std::vector<double> weights(count);
+    for (size_t i = 0; i < count; ++i) {
+        if (slice.leaves[a + i] != before.leaves[b + i]) return false;
+        weights[i] = std::exp2(2 * (slice.depth - slice.leaves[a + i].depth));
+    }
+    for (uint32_t plane = 0; plane < slice.planes.size(); ++plane) {
+        double squares = 0;
+        for (size_t i = 0; i < count; ++i) {
+            const double apart = slice.planes[plane][a + i] - before.planes[plane][b + i];
+            squares += weights[i] * apart * apart;
+        }
+        const double step = steps[kind_of(plane)];
+        if (squares > 0.25 * step * step * static_cast<double>(count)) return false;
+        if (plane == kOpacityPlane)
+            for (size_t i = 0; i < count; ++i)
+                weights[i] *= std::max(before.planes[kOpacityPlane][b + i], kLeastOpacity) / double{kUnit};
+    }
+    return true;
+}
+
+void append_leaves(const Slice& from, size_t begin, size_t end, Slice& to) {
+    const auto append = [&](const auto& numbers, auto& all) {
+        all.insert(all.end(), numbers.begin() + static_cast<ptrdiff_t>(begin),
+                   numbers.begin() + static_cast<ptrdiff_t>(end));
+    };
+    append(from.leaves, to.leaves);
+    for (size_t plane = 0; plane < from.planes.size(); ++plane) append(from.planes[plane], to.planes[plane]);
+}
+
+Slice without_leaves(const Slice& slice) {
+    Slice empty{slice.depth, slice.degree, {}, {}};
+    empty.planes.resize(slice.planes.size());
+    return empty;
+}
+
+// Divides a slice into blocks that the frame before has, too, of which `repeated` becomes the leaves' indices there,
+// and the rest, which it returns.
+Slice encode_repeated(const Slice& slice, const FrameBefore& frames, FrameSymbols& frame,
+                      std::vector<uint32_t>& repeated) {
+    const Slice& before = frames.decoded;
+    const std::vector<size_t> blocks = blocks_of(before.leaves), own = blocks_of(slice.leaves);
+    std::vector<bool> repeats(blocks.size() - 1);
+    std::vector<bool> is_taken(slice.leaves.size());
+    for (size_t i = 0, at = 0; i + 1 < blocks.size(); ++i) {
+        const uint64_t block = before.leaves[blocks[i]].cell >> kBlockBits;
+        while (at + 1 < own.size() && slice.leaves[own[at]].cell >> kBlockBits < block) ++at;
+        if (at + 1 == own.size()) break;
+        const size_t count = blocks[i + 1] - blocks[i];
+        if (own[at + 1] - own[at] != count) continue;
+        if (!is_same(slice, own[at], frames.slice, blocks[i], count) &&
+            !is_similar(slice, own[at], before, blocks[i], count, frame.steps))
+            continue;
+        repeats[i] = true;
+        std::fill_n(is_taken.begin() + static_cast<ptrdiff_t>(own[at]), count, true);
+    }
+    repeated = code_repeated(frame.shape, before.leaves, &repeats);
+    Slice rest = without_leaves(slice);
+    for (size_t i = 0; i < slice.leaves.size(); ++i)
+        if (!is_taken[i]) append_leaves(slice, i, i + 1, rest);
+    return rest;
+}
+
+}  // namespace
+
+void in_one_part(size_t count, size_t /*grain*/, const std::function<void(size_t begin, size_t end)>& run) {
+    if (count > 0) run(0, count);
+}
+
+FrameSymbols encode(const Slice& slice, const Steps& steps, const std::optional<FrameBefore>& before, Slice& decoded,
+                    const InParts& in_parts) {
+    FrameSymbols frame;
+    frame.is_key = !before;
+    frame.steps = steps;
+    const size_t planes = slice.planes.size();
+    frame.roots.resize(planes);
+    frame.coarse.resize(planes);
+    frame.fine.resize(planes);
+    std::vector<uint32_t> repeated;
+    const Slice rest = before ? encode_repeated(slice, *before, frame, repeated) : slice;
+    if (before &&
+        static_cast<double>(repeated.size()) < before->least_repeated * static_cast<double>(slice.leaves.size()))
+        return encode(slice, steps, std::nullopt, decoded, in_parts);
+    frame.leaf_count = static_cast<uint32_t>(rest.leaves.size());
+    Slice coded = without_leaves(slice);
+    if (frame.leaf_count > 0) {
+        const Octree tree = octree_of(rest.leaves, rest.depth);
+        code_shape(frame.shape, tree, rest.depth, frame.leaf_count);
+        encode_all_planes(rest, tree, frame, coded, in_parts);
+    }
+    static const std::vector<Leaf> kNoLeaves;
+    MergedLeaves merged = merge_leaves(before ? before->decoded.leaves : kNoLeaves, repeated, rest.leaves, slice.depth);
+    coded.planes = merge_planes(merged, before ? &before->decoded.planes : nullptr, std::move(coded.planes));
+    coded.leaves = std::move(merged.leaves);
+    decoded = std::move(coded);
+    return frame;
+}
+
+void count(const FrameSymbols& frame, Counts& counts) {
+    frame.shape.count(counts);
+    for (const auto* streams : {&frame.coarse, &frame.fine})
+        for (const SymbolWriter& stream : *streams) stream.count(counts);
+}
+
+// A header and the shape; of the other parts the lengths of the streams, then these.
+FrameBytes bytes_of(const FrameSymbols& frame, const Tables& tables) {
+    FrameBytes result;
+    std::vector<uint8_t>& header = result.parts[kShape];
+    append_number(header, frame.is_key ? 1 : 0, 1);
+    append_number(header, frame.leaf_count, 4);
+    for (const uint16_t step : frame.steps) append_number(header, step, 2);
+    for (const int16_t root : frame.roots) append_number(header, static_cast<uint16_t>(root), 2);
+    const std::vector<uint8_t> shape = frame.shape.bytes(tables);
+    append_number(header, shape.size(), 4);
+    header.insert(header.end(), shape.begin(), shape.end());
+    for (const Part part : {kCoarse, kShCoarse, kFine, kShFine}) {
+        const auto [first, end] = planes_of_part(part, static_cast<uint32_t>(frame.roots.size()));
+        const auto& streams = part == kCoarse || part == kShCoarse ? frame.coarse : frame.fine;
+        std::vector<uint8_t> all;
+        for (uint32_t plane = first; plane < end; ++plane) {
+            const std::vector<uint8_t> one = streams[plane].bytes(tables);
+            append_number(result.parts[part], one.size(), 4);
+            all.insert(all.end(), one.begin(), one.end());
+        }
+        result.parts[part].insert(result.parts[part].end(), all.begin(), all.end());
+    }
+    return result;
+}
+
+}  // namespace neuvv::stream

@@ -1,0 +1,150 @@
+#include "stream/codec/frame_decoder.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "stream/codec/bytes.h"
+#include "stream/codec/shape.h"
+
+namespace neuvv::stream {
+
+FrameShape decode_shape(std::span<const uint8_t> bytes, const Tables& tables, const Format& format,
+                        const std::vector<Leaf>* before) {
+    FrameShape frame;
+    ByteReader reader(bytes);
+    const uint64_t key = reader.number(1);
+    if (key > 1) throw std::runtime_error("is no frame that this program knows");
+    if (key == 0 && !before) throw std::runtime_error("needs the frame before it");
+    frame.is_key = key == 1;
+    const uint64_t own_leaves = reader.number(4);
+    if (own_leaves > format.most_leaves) throw std::runtime_error("has more leaves than the stream says");
+    for (uint16_t& step : frame.steps) step = static_cast<uint16_t>(reader.number(2));
+    frame.roots.resize(planes_of(format.degree));
+    for (int16_t& root : frame.roots) root = static_cast<int16_t>(reader.number(2));
+    SymbolReader symbols(reader.take(reader.number(4)), tables);
+    reader.expect_end();
+    static const std::vector<Leaf> kNoLeaves;
+    const std::vector<Leaf>& leaves_before = frame.is_key ? kNoLeaves : *before;
+    const std::vector<uint32_t> repeated = code_repeated(symbols, leaves_before, nullptr);
+    if (repeated.size() + own_leaves > format.most_leaves)
+        throw std::runtime_error("has more leaves than the stream says");
+    if (own_leaves > 0) frame.tree = code_shape(symbols, Octree(), format.depth, static_cast<uint32_t>(own_leaves));
+    if (!symbols.ends_well() || frame.tree.leaf_count != own_leaves)
+        throw std::runtime_error("has another shape than it says");
+    frame.merged = merge_leaves(leaves_before, repeated, leaves_of(frame.tree, format.depth), format.depth);
+    return frame;
+}
+
+namespace {
+
+// The planes of a frame that is being decoded.
+class PlanesReader {
+  public:
+    PlanesReader(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables, const Format& format,
+                 const InParts& in_parts)
+        : shape_(shape),
+          tree_(shape.tree),
+          tables_(tables),
+          depth_(format.depth),
+          planes_(planes_of(format.degree)),
+          last_(last),
+          in_parts_(in_parts),
+          coarse_(planes_),
+          fine_(planes_),
+          decoded_(planes_) {
+        for (const Part part : {kCoarse, kShCoarse, kFine, kShFine})
+            if (part <= last_) find_streams(part, bytes[part]);
+    }
+
+    // Of the leaves that are not repeated.
+    Planes read() {
+        if (tree_.leaf_count == 0) return std::move(decoded_);
+        decode_planes(Pairs(tree_), kOpacityPlane, 1);
+        const std::vector<int16_t> factors = colour_factors_of(decoded_[kOpacityPlane]);
+        decode_colours(Pairs(tree_, factors, 1.0 / kUnit));
+        return std::move(decoded_);
+    }
+
+  private:
+    void find_streams(Part part, std::span<const uint8_t> bytes) {
+        const auto [first, end] = planes_of_part(part, planes_);
+        ByteReader reader(bytes);
+        std::vector<uint64_t> lengths;
+        for (uint32_t plane = first; plane < end; ++plane) lengths.push_back(reader.number(4));
+        auto& streams = part == kCoarse || part == kShCoarse ? coarse_ : fine_;
+        for (uint32_t plane = first; plane < end; ++plane) streams[plane] = reader.take(lengths[plane - first]);
+        reader.expect_end();
+        for (const uint64_t length : lengths)
+            if (tree_.leaf_count == 0 && length > 0) throw std::runtime_error("has planes without leaves");
+    }
+
+    // The planes of colours do not need each other: those of the mean, then those of harmonics.
+    void decode_colours(const Pairs& pairs) {
+        in_parts_(planes_ - kFirstColourPlane, kPlanesOfMean - kFirstColourPlane, [&](size_t begin, size_t end) {
+            const auto first = kFirstColourPlane + static_cast<uint32_t>(begin),
+                       last = kFirstColourPlane + static_cast<uint32_t>(end);
+            const uint32_t middle = std::min(std::max(first, kPlanesOfMean), last);
+            if (first < middle) decode_planes(pairs, first, middle - first);
+            if (middle < last) decode_planes(pairs, middle, last - middle);
+        });
+    }
+
+    // Decodes `count` planes from `first` on, which are all in the same parts.
+    void decode_planes(const Pairs& pairs, uint32_t first, uint32_t count) {
+        std::vector<PlaneOfTree> own;
+        for (uint32_t plane = first; plane < first + count; ++plane) {
+            decoded_[plane].resize(tree_.leaf_count);
+            own.push_back({plane,
+                           static_cast<float>(shape_.roots[plane]),
+                           static_cast<float>(shape_.steps[kind_of(plane)]),
+                           {},
+                           decoded_[plane]});
+        }
+        const bool is_mean = first < kPlanesOfMean;
+        const auto readers_of = [&](const auto& streams, Part part) {
+            std::vector<SymbolReader> readers;
+            for (uint32_t plane = first; part <= last_ && plane < first + count; ++plane)
+                readers.emplace_back(streams[plane], tables_);
+            return readers;
+        };
+        std::vector<SymbolReader> coarse = readers_of(coarse_, is_mean ? kCoarse : kShCoarse);
+        std::vector<SymbolReader> fine = readers_of(fine_, is_mean ? kFine : kShFine);
+        if (coarse.empty() && fine.empty()) {  // all coefficients are 0
+            for (const PlaneOfTree& plane : own)
+                std::fill(plane.leaves.begin(), plane.leaves.end(), rounded_value(plane.root, plane.number));
+            return;
+        }
+        code_planes<SymbolReader>(coarse, fine, tree_, pairs, depth_, own);
+        for (const auto* readers : {&coarse, &fine})
+            for (const SymbolReader& reader : *readers)
+                if (!reader.ends_well()) throw std::runtime_error("has a damaged plane");
+    }
+
+    const FrameShape& shape_;
+    const Octree& tree_;
+    const Tables& tables_;
+    uint32_t depth_, planes_;
+    Part last_;
+    const InParts& in_parts_;
+    std::vector<std::span<const uint8_t>> coarse_, fine_;  // by plane; empty where the part is not there
+    Planes decoded_;
+};
+
+}  // namespace
+
+Slice decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
+                    const Format& format, const Slice* before, const InParts& in_parts) {
+    Slice slice{format.depth, format.degree, shape.merged.leaves, {}};
+    slice.planes = merge_planes(shape.merged, before ? &before->planes : nullptr,
+                                PlanesReader(shape, bytes, last, tables, format, in_parts).read());
+    return slice;
+}
+
+Slice decode(const FrameBytes& frame, Part last, const Tables& tables, const Format& format, const Slice* before) {
+    const FrameShape shape = decode_shape(frame.parts[kShape], tables, format, before ? &before->leaves : nullptr);
+    PartBytes bytes;
+    for (uint32_t part = 0; part <= last; ++part) bytes[part] = frame.parts[part];
+    return decode_planes(shape, bytes, last, tables, format, before);
+}
+
+}  // namespace neuvv::stream

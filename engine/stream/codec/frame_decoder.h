@@ -1,0 +1,46 @@
+// The bytes of a frame as a slice, in two steps: a frame's shape needs that of the frame before, but its planes need
+// those of the frame before only where it repeats some. So the planes of several frames can be decoded at the same
+// time, and those of a frame that is only passed over need not be decoded.
+#pragma once
+
+#include <span>
+
+#include "stream/codec/frame_codec.h"
+#include "stream/codec/repeats.h"
+
+namespace neuvv::stream {
+
+constexpr uint32_t kMaxStreamLeaves = 1u << 24;  // of a frame
+
+// What a frame is decoded by: the same for all frames of a group.
+struct Format {
+    uint32_t depth = 2, degree = 0;
+    uint32_t most_leaves = 0;  // of a frame
+};
+
+// What the part kShape says.
+struct FrameShape {
+    bool is_key = true;
+    Steps steps{};
+    std::vector<int16_t> roots;  // by plane: the mean of the root
+    Octree tree;                 // of the leaves that are not repeated; empty where there are none
+    MergedLeaves merged;         // all leaves
+};
+
+// Decodes the part kShape. `before` are the leaves of the frame before, which a key frame does not need; null: there is
+// none. Throws std::runtime_error with what is wrong where the bytes are no shape, as decode_planes() does.
+FrameShape decode_shape(std::span<const uint8_t> bytes, const Tables& tables, const Format& format,
+                        const std::vector<Leaf>* before);
+
+// The bytes of the parts that there are, from kShape on. That one's are not read.
+using PartBytes = std::array<std::span<const uint8_t>, kParts>;
+
+// Decodes the parts after kShape up to `last`. `before` is the frame before, decoded from as many parts; it is not read
+// where the frame repeats nothing of it. Planes of colours are decoded `in_parts`.
+Slice decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
+                    const Format& format, const Slice* before, const InParts& in_parts = in_one_part);
+
+// Both steps, from the bytes of all parts one after the other.
+Slice decode(const FrameBytes& frame, Part last, const Tables& tables, const Format& format, const Slice* before);
+
+}  // namespace neuvv::stream

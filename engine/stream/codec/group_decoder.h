@@ -1,0 +1,41 @@
+// The decoder as C functions, for programs that are no C++, and for browsers (tests/stream/webassembly): the frames of
+// one group, in their order, from bytes in memory. Nothing throws. One group is decoded by one thread at a time.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct NeuvvGroupDecoder NeuvvGroupDecoder;
+
+// A leaf, as engine/stream/README.md has it.
+typedef struct {
+    uint64_t cell;
+    uint32_t depth;
+} NeuvvLeaf;
+
+// `tables`: those of the group, inflated. `depth`, `degree` and `most_leaves` are what the stream's head says of the
+// group. Null where these numbers or the tables cannot be. To be freed by neuvv_group_free.
+NeuvvGroupDecoder* neuvv_group_new(const uint8_t* tables, size_t table_bytes, uint32_t depth, uint32_t degree,
+                                   uint32_t most_leaves);
+void neuvv_group_free(NeuvvGroupDecoder* decoder);
+
+// Decodes the next frame of the group from its first parts, 1 to 5, which stand one after the other in `bytes`; their
+// lengths are in `part_bytes`. Returns how many leaves the frame has, or −1 where the bytes are no frame: then, only a
+// key frame can follow. A frame that repeats some of the one before must have as many parts.
+int32_t neuvv_group_decode(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
+                           const uint32_t* part_bytes, uint32_t parts);
+
+// Of the last frame, until the next call: its leaves, and of each plane a number for each leaf. Null where there are
+// none.
+const NeuvvLeaf* neuvv_group_leaves(const NeuvvGroupDecoder* decoder);
+const int16_t* neuvv_group_plane(const NeuvvGroupDecoder* decoder, uint32_t plane);
+// What is wrong with the bytes of the last call; empty where nothing is.
+const char* neuvv_group_error(const NeuvvGroupDecoder* decoder);
+
+#ifdef __cplusplus
+}
+#endif
