@@ -272,13 +272,16 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     if (options.align) alignment = align(device, clip, dataset);
     Progress progress("eval", dataset.views.size());
     size_t compared = 0;
+    double sum = 0;  // of PSNR
     const training::ViewCallback done = [&](size_t view, const media::Image& truth, const media::Image& render,
                                             const training::Quality& quality) {
         if (!options.images.empty()) folder.add(view, dataset.views[view].name, truth, render);
         if (!options.html.empty()) page.add(view, truth, render, quality.psnr);
         meter.add(dataset.views[view].camera, training::frame_of_view(dataset, dataset.views[view]), truth, render);
         if (network) lpips[view] = distance(*network, dataset.views[view], settings.part, truth, render);
-        progress.update(++compared, fmt::format("{:.2f} dB", quality.psnr));
+        sum += quality.psnr;
+        ++compared;
+        progress.update(compared, fmt::format("mean {:.2f} dB", sum / static_cast<double>(compared)));
         return !stop_requested();
     };
     const training::Evaluation evaluation = training::evaluate(device, clip, dataset, settings, done);

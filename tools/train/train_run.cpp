@@ -284,6 +284,10 @@ bool train_rig(const gpu::Device& device, const TrainOptions& options, const tra
     if (!settings.team.is_first()) return complete;
     tell_if_possible("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
                      last.step, last.epochs, format_duration(last.elapsed_s));
+    if (last.leaves_stay_large)
+        tell_if_possible(
+            "leaves stayed twice as large as pixels, as there were few rays for each; more --minutes, or a "
+            "larger --resolution, make them smaller\n");
     if (last.colour_choice == training::ColourChoice::kChosen && !last.colours.empty())
         tell_if_possible("cameras show colours differently, which was corrected (--refine none leaves it)\n");
     print_corrections(last, rig.cameras);

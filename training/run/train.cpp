@@ -84,6 +84,7 @@ class Run {
     uint64_t given_hash_;  // before the rig was corrected
     RunState run_;
     TrainedTree trained_;
+    bool leaves_stay_large_ = false;  // TrainProgress
     CameraColours colours_;
     RigChanges rig_;
     std::vector<RefinedPose> poses_;
@@ -225,7 +226,9 @@ void Run::begin_phase_if_due() {
     trained_.step->download(trained_.tree);
     const std::vector<uint32_t> bounds = gather_values(team(), max_leaves());
     change.max_leaves = *std::min_element(bounds.begin(), bounds.end());
+    const uint32_t finest = run_.max_depth;
     if (team().is_first()) change_tree(change, trained_.tree, read_use(device_, trained_.step->tally(), trained_.tree));
+    leaves_stay_large_ = leaves_stay_large_ || run_.max_depth < finest;
     adopt_first_tree(team(), trained_.tree);
     make_step();
     run_.adam_step = 0;
@@ -350,6 +353,7 @@ TrainProgress Run::progress() const {
     now.poses = poses_;
     now.frames_late = rig_.frames_late;
     now.readout = rig_.readout;
+    now.leaves_stay_large = leaves_stay_large_;
     now.field = &trained_.step->field();
     return now;
 }

@@ -85,6 +85,7 @@ struct TrainProgress {
     std::vector<RefinedPose> poses;        // by camera, where they were refined
     std::vector<double> frames_late;       // the same
     std::vector<double> readout;           // the same
+    bool leaves_stay_large = false;        // the last division of all leaves was left out: rays were few for them
     const render::Field* field = nullptr;  // the current model; the callback may use it until it returns
 };
 
