@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <memory>
+#include <string>
+
+#include "stream/codec/group_decoder.h"
 #include "stream/random_slice.h"
 
 namespace neuvv::test::frame_codec_test {
@@ -133,6 +138,85 @@ TEST(FrameCodec, LeavesComeAndGo) {
         before = stream::decode(frames.bytes[i], stream::kShFine, frames.tables, format, i ? &before : nullptr);
         EXPECT_EQ(before.leaves, slices[i].leaves) << i;
     }
+}
+
+// The C functions, which are given the parts of a frame one after the other.
+struct OfGroup {
+    explicit OfGroup(const Encoded& group, const stream::Format& format) {
+        const std::vector<uint8_t> tables = stream::bytes_of(group.tables);
+        decoder.reset(neuvv_group_new(tables.data(), tables.size(), format.depth, format.degree, format.most_leaves));
+    }
+    int32_t decode(const stream::FrameBytes& frame, uint32_t parts = stream::kParts) {
+        std::vector<uint8_t> bytes;
+        std::array<uint32_t, stream::kParts> sizes{};
+        for (uint32_t part = 0; part < std::min<uint32_t>(parts, stream::kParts); ++part) {
+            sizes[part] = static_cast<uint32_t>(frame.parts[part].size());
+            bytes.insert(bytes.end(), frame.parts[part].begin(), frame.parts[part].end());
+        }
+        return neuvv_group_decode(decoder.get(), bytes.data(), bytes.size(), sizes.data(), parts);
+    }
+    void expect_last(const Slice& slice) const {
+        const NeuvvLeaf* leaves = neuvv_group_leaves(decoder.get());
+        for (size_t i = 0; i < slice.leaves.size(); ++i) {
+            EXPECT_EQ(leaves[i].cell, slice.leaves[i].cell);
+            EXPECT_EQ(leaves[i].depth, slice.leaves[i].depth);
+        }
+        for (uint32_t plane = 0; plane < slice.planes.size(); ++plane) {
+            const int16_t* numbers = neuvv_group_plane(decoder.get(), plane);
+            EXPECT_EQ(std::vector<int16_t>(numbers, numbers + slice.leaves.size()), slice.planes[plane]);
+        }
+        EXPECT_FALSE(neuvv_group_plane(decoder.get(), static_cast<uint32_t>(slice.planes.size())));
+    }
+    std::string error() const { return neuvv_group_error(decoder.get()); }
+
+    std::unique_ptr<NeuvvGroupDecoder, decltype(&neuvv_group_free)> decoder{nullptr, neuvv_group_free};
+};
+
+TEST(GroupDecoder, DecodesAsTheFunctionsOfCppDo) {
+    const Slice first = random_slice(5, 6, 600, 1);
+    Slice second = first;
+    for (size_t i = 0; i < second.leaves.size() / 4; ++i) second.planes[1][i] = static_cast<int16_t>(900 - i);
+    const Encoded frames = encode({first, second}, 20);
+    const stream::Format format{6, 1, 2000};
+    OfGroup group(frames, format);
+    for (size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(group.decode(frames.bytes[i]), static_cast<int32_t>(frames.decoded[i].leaves.size()));
+        group.expect_last(frames.decoded[i]);
+        EXPECT_EQ(group.error(), "");
+    }
+    OfGroup coarse(frames, format);
+    EXPECT_GT(coarse.decode(frames.bytes[0], 2), 0);
+    coarse.expect_last(stream::decode(frames.bytes[0], stream::kCoarse, frames.tables, format, nullptr));
+    EXPECT_EQ(coarse.decode(frames.bytes[1]), -1);
+    EXPECT_EQ(coarse.error(), "needs as many parts as the frame before it");
+    EXPECT_FALSE(neuvv_group_leaves(coarse.decoder.get())) << "nothing is left of a group after an error";
+    EXPECT_EQ(coarse.decode(frames.bytes[1]), -1);
+    EXPECT_EQ(coarse.error(), "needs the frame before it");
+    EXPECT_GT(coarse.decode(frames.bytes[0]), 0) << "but a key frame goes on";
+    EXPECT_EQ(coarse.error(), "");
+}
+
+TEST(GroupDecoder, RefusesWhatCannotBe) {
+    const Encoded frames = encode({random_slice(5, 6, 100, 1)}, 20);
+    for (const stream::Format& format :
+         {stream::Format{7, 1, 2000}, {14, 1, 2000}, {0, 1, 2000}, {6, 4, 2000}, {6, 1, UINT32_MAX}})
+        EXPECT_FALSE(OfGroup(frames, format).decoder);
+    Encoded damaged = frames;
+    damaged.tables.pop_back();
+    EXPECT_FALSE(OfGroup(damaged, {6, 1, 2000}).decoder);
+    OfGroup none(damaged, {6, 1, 2000});
+    EXPECT_EQ(none.decode(frames.bytes[0]), -1);
+    EXPECT_FALSE(neuvv_group_leaves(nullptr));
+    EXPECT_FALSE(neuvv_group_plane(nullptr, 0));
+    OfGroup group(frames, {6, 1, 2000});
+    for (const uint32_t parts : {0u, 6u}) EXPECT_EQ(group.decode(frames.bytes[0], parts), -1);
+    const std::array<uint32_t, stream::kParts> long_parts{1000, 1, 1, 1, 1};
+    const std::vector<uint8_t> bytes(10);
+    EXPECT_EQ(neuvv_group_decode(group.decoder.get(), bytes.data(), bytes.size(), long_parts.data(), 1), -1);
+    EXPECT_EQ(group.error(), "ends early");
+    OfGroup small(frames, {6, 1, 10});
+    EXPECT_EQ(small.decode(frames.bytes[0]), -1);
+    EXPECT_EQ(small.error(), "has more leaves than the stream says");
 }
 
 // The sanitizers see whether damage leads out of bounds.
