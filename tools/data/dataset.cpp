@@ -220,12 +220,13 @@ void print_memory(const training::Rig& rig, const training::Rig& sample, const t
 
 // One black matte among good ones makes a hole in its moment's hull; the sample of times misses it.
 void print_empty_mattes(const training::Rig& rig) {
-    StatusLine line(false);
+    Progress line("mattes");
     const auto progress = [&](uint64_t done, uint64_t total) {
-        if (line.is_due()) line.print(fmt::format("mattes {}/{}", done, total));
+        line.set_total(total);
+        line.update(done);
     };
     const auto empty = try_to_find([&] { return training::find_empty_mattes(rig, kMattesRead, progress); });
-    line.end();
+    line.finish();
     if (!empty.found) return print_field("note", empty.missing);
     const std::vector<uint32_t>& shots = empty.found->shots;
     for (size_t i = 0; i < std::min(shots.size(), kMaxPrintedMattes); ++i)
@@ -346,7 +347,8 @@ void add_dataset(Command app, CommonOptions& common) {
     Option rig = verb.add_flag(
         "--rig", options->search_rig,
         "Also train a draft of the training images, for a minute or more, and print for each camera what it says: how "
-        "far its images are off, its gains, exposures, vignetting, and how late it is; with -o, cameras.png shows it");
+        "far its images are off, its gains, exposures, vignetting, how late its shutter is, and whether that rolls; "
+        "with -o, cameras.png shows it");
     Option as =
         verb.add_option("--as", options->as,
                         "Instead, write all images into this folder, without lens distortion, for other programs: as "

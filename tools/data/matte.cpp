@@ -1,5 +1,6 @@
 // neuvv matte: finds the part of each image that shows the performer, for captures without mattes.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <memory>
@@ -155,6 +156,8 @@ void run_matte(MatteOptions options) {
                                    : "";
     tell("wrote {} mattes of {} cameras{} into {}; judge them by contact_sheet.png there\n", made.images, made.cameras,
          plates, output.string());
+    if (!made.agreements.empty())
+        tell("its rows, the cameras that agree least with the others first: {}\n", fmt::join(made.sheet, ", "));
     if (made.white_borders > kWhiteBorders)
         say("these mattes are white along the borders of the images: {}\n",
             what.model.empty() ? "raise --threshold, or give clean plates" : "look at them before you train");

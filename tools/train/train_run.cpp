@@ -286,8 +286,8 @@ bool train_rig(const gpu::Device& device, const TrainOptions& options, const tra
                      last.step, last.epochs, format_duration(last.elapsed_s));
     if (last.leaves_stay_large)
         tell_if_possible(
-            "leaves stayed twice as large as pixels, as there were few rays for each; more --minutes, or a "
-            "larger --resolution, make them smaller\n");
+            "most leaves stayed twice as large as pixels, as there were few rays for each; a new run with more "
+            "--minutes, or with --resolution, makes them smaller\n");
     if (last.colour_choice == training::ColourChoice::kChosen && !last.colours.empty())
         tell_if_possible("cameras show colours differently, which was corrected (--refine none leaves it)\n");
     print_corrections(last, rig.cameras);

@@ -153,7 +153,7 @@ MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress) {
         add_own(job, splits.rigs, cameras, total, files, summary, progress);
     std::vector<std::string> worst;
     for (const CameraAgreement& agreement : summary.agreements) worst.push_back(agreement.camera);
-    files.write_sheet(worst);
+    summary.sheet = files.write_sheet(worst);
     summary.images = files.count();
     summary.cameras = static_cast<uint32_t>(cameras.size());
     summary.shows_performer = files.shows_performer();

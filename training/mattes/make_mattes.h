@@ -30,6 +30,7 @@ struct MatteSummary {
     Note missing_split;                       // why one of the two splits was left out; else empty
     Note alone;                               // why the cameras were not looked at together; else empty
     std::vector<CameraAgreement> agreements;  // worst first; empty where the cameras were not looked at together
+    std::vector<std::string> sheet;           // the cameras of the contact sheet, from its top
     std::vector<std::string> swapped;         // what is said of cameras that have each other's images
     std::vector<Note> wrong_plates;           // plates that are not used
 };

@@ -50,14 +50,15 @@ void MatteFiles::add(const std::string& camera, const std::string& name, const m
     rows_[camera] = row_of_sheet(image, grey);
 }
 
-void MatteFiles::write_sheet(const std::vector<std::string>& first) const {
-    if (cameras_.empty()) return;
+std::vector<std::string> MatteFiles::write_sheet(const std::vector<std::string>& first) const {
+    if (cameras_.empty()) return {};
     std::vector<std::string> order = cameras_;
     std::ranges::stable_sort(order, {}, [&](const std::string& camera) { return std::ranges::find(first, camera); });
     std::vector<media::Image> cells;
     for (const std::string& camera : order)
         for (const media::Image& cell : rows_.at(camera)) cells.push_back(cell);
     media::write_png(folder_ / (std::string(kMatteSheetName) + ".png"), contact_sheet(cells, 3, kSheetCell));
+    return order;
 }
 
 }  // namespace neuvv::training

@@ -23,8 +23,8 @@ class MatteFiles {
     void add(const std::string& camera, const std::string& name, const media::Image& image,
              const std::vector<uint8_t>& matte);
     // Writes folder/contact_sheet.png: of each camera the image, its matte, and the performer over magenta; first the
-    // cameras that stand in `first`. Nothing where no matte was added.
-    void write_sheet(const std::vector<std::string>& first = {}) const;
+    // cameras that stand in `first`. Returns the cameras by row; nothing is written where no matte was added.
+    std::vector<std::string> write_sheet(const std::vector<std::string>& first = {}) const;
 
     uint64_t count() const { return count_; }
     // Whether any pixel of any matte is more than half performer.

@@ -71,8 +71,7 @@ std::vector<std::string> swap_images_back(std::vector<CameraShots>& cameras, std
         std::swap(backgrounds[pair.a], backgrounds[pair.b]);
         said.push_back(swap_text(pair, cameras[pair.a].name(), cameras[pair.b].name()) +
                        ". Their mattes are made as if they were swapped back: exchange the names of their images or "
-                       "videos, and of "
-                       "their plates, and make the mattes again");
+                       "videos, and of their plates, and make the mattes again");
     }
     return said;
 }

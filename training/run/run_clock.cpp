@@ -37,7 +37,8 @@ double RunClock::fraction(uint64_t step) const {
 }
 
 double RunClock::seconds_left(uint64_t step) const {
-    return fraction(step) > 0 ? steps_s() / fraction(step) - steps_s() : std::numeric_limits<double>::infinity();
+    const double done = fraction(step);
+    return done > 0 ? std::max(steps_s() / done - steps_s(), 0.0) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace neuvv::training

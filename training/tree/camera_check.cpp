@@ -39,9 +39,9 @@ void swap_back(Rig& rig, const SwappedCameras& pair) {
     for (Shot& shot : rig.shots)
         if (shot.camera == pair.a || shot.camera == pair.b) shot.camera = pair.a + pair.b - shot.camera;
     std::swap(a.plate, b.plate);
-    rig.remarks.push_back(
-        swap_text(pair, a.name, b.name) +
-        ". They are used swapped back, with their masks and plates: exchange the names of all of these");
+    rig.remarks.push_back(swap_text(pair, a.name, b.name) +
+                          ". They are used swapped back, with their masks and plates: exchange the names of "
+                          "their images or videos, masks and plates");
 }
 
 void leave_out(Rig& rig, const std::vector<Misfit>& misfits) {
