@@ -15,7 +15,7 @@ training::RigCorrection three_cameras() {
     training::RigCorrection correction{{true, false, true}, {"left", "right", "\"top\" ü"}, {}};
     correction.changes.poses = {{}, {0.01, -0.02, 0.003, 0.1, -0.2, 0.3, 0.01}, {}};
     correction.changes.frames_late = {0, 1, -0.25};
-    correction.changes.readout = {0.5, 0, 0};
+    correction.changes.readout = {0, 0.5, -0.6};
     return correction;
 }
 
@@ -51,7 +51,7 @@ TEST(RigFile, ASegmentTakesTheChangesOfItsCameras) {
     EXPECT_EQ(changes.poses[1], training::PoseChange{});
     EXPECT_EQ(changes.poses[2], correction.changes.poses[1]);
     EXPECT_EQ(changes.frames_late, (std::vector<double>{-0.25, 0, 0})) << "what is left of whole frames";
-    EXPECT_EQ(changes.readout, (std::vector<double>{0, 0, 0}));
+    EXPECT_EQ(changes.readout, (std::vector<double>{-0.6, 0, 0.5}));
     EXPECT_TRUE(training::changes_of({{}, {"left"}, {}}, cameras).empty());
 }
 

@@ -274,6 +274,8 @@ TEST_F(RigSearchTest, ARunLeavesOutWhoIsBetweenFramesAgainWhenItIsResumed) {
     settings.tiles_per_step = 64;
     settings.rig.frames_late.resize(given.cameras.size());
     settings.rig.frames_late[4] = 0.5;
+    settings.rig.readout.resize(given.cameras.size());
+    settings.rig.readout[5] = 5;
     const auto go_on = [](const training::TrainProgress&) { return true; };
     for (const bool resume : {false, true}) {
         training::Dataset dataset = given;
@@ -281,8 +283,9 @@ TEST_F(RigSearchTest, ARunLeavesOutWhoIsBetweenFramesAgainWhenItIsResumed) {
         ++settings.steps;
         training::train(device(), dataset, settings, folder.path / "sphere.nvv", go_on);
         settings.rig = {};
-        EXPECT_EQ(dataset.views.size(), given.views.size() - 3);
+        EXPECT_EQ(dataset.views.size(), given.views.size() - 6);
         EXPECT_EQ(training::load_checkpoint(folder.path / "sphere.nvv").rig.frames_late[4], 0.5);
+        EXPECT_EQ(training::load_checkpoint(folder.path / "sphere.nvv").rig.readout[5], 5);
     }
 }
 

@@ -104,7 +104,7 @@ void print_times(const training::RigChanges& changes, const std::vector<training
                 "camera {}: a rolling shutter, by {:+.2f} frames from its top row to the bottom one; its "
                 "images {}\n",
                 cameras[i].name, changes.readout[i],
-                out[i] ? "were left out" : "were used all the same, as those of many cameras are so");
+                out[i] ? "were left out" : "were used all the same: too many cameras would be left out");
             if (out[i]) continue;
         }
         const auto whole = static_cast<int>(std::lround(frames_late[i]));
@@ -216,19 +216,26 @@ std::string late_text(const training::RigFindings& findings, size_t camera) {
 
 // Shutters that differ from those of the other cameras; what all have in common, the draft has, too.
 void print_shutters(const training::RigFindings& findings, const std::vector<training::RigCamera>& cameras) {
-    bool agree = true;
+    const char* doubt = !findings.whole                        ? ", if the draft was long enough"
+                        : training::worthwhile(findings).poses ? ", or it stands elsewhere"
+                                                               : "";
+    bool agree = true, known = false;
     for (size_t i = 0; i < cameras.size(); ++i) {
+        known = known || findings.late_by[i] < training::kMostDeviation;
         if (training::is_rolling(findings, i))
-            tell("camera {}: a rolling shutter: its bottom row is {:+.2f} ± {:.2f} frames later than its top one\n",
-                 cameras[i].name, findings.changes.readout[i], findings.roll_by[i]);
+            tell("camera {}: a rolling shutter: its bottom row is {:+.2f} ± {:.2f} frames later than its top one{}\n",
+                 cameras[i].name, findings.changes.readout[i], findings.roll_by[i], doubt);
         else if (findings.blur[i] > training::kWorthBlur)
-            tell("camera {}: what moves is blurred: an exposure longer by about {:.1f} frames than that of most\n",
-                 cameras[i].name, findings.blur[i]);
+            tell("camera {}: what moves is blurred: an exposure longer by about {:.1f} frames than that of most{}\n",
+                 cameras[i].name, findings.blur[i], doubt);
         else
             continue;
         agree = false;
     }
-    if (agree) tell("no camera has a shutter that rolls, or blurs, more than those of the others\n");
+    if (!known)
+        tell("shutters are not known: too little moves\n");
+    else if (agree)
+        tell("no camera was found whose shutter rolls, or blurs, more than those of the others\n");
 }
 
 }  // namespace

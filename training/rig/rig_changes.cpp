@@ -29,10 +29,14 @@ bool is_between_frames(double frames_late) {
 std::vector<bool> left_out(const RigChanges& changes) {
     std::vector<bool> out;
     for (const double late : changes.frames_late) out.push_back(is_between_frames(late));
+    const auto are_too_many = [](const std::vector<bool>& some) {
+        return static_cast<size_t>(std::ranges::count(some, true)) * kMostLeftOut > some.size();
+    };
+    if (are_too_many(out)) out.assign(out.size(), false);
+    std::vector<bool> with_rolling = out;
     for (size_t i = 0; i < std::min(out.size(), changes.readout.size()); ++i)
-        out[i] = out[i] || std::abs(changes.readout[i]) > kMostReadout;
-    if (static_cast<size_t>(std::ranges::count(out, true)) * kMostLeftOut > out.size()) out.assign(out.size(), false);
-    return out;
+        with_rolling[i] = with_rolling[i] || std::abs(changes.readout[i]) > kMostReadout;
+    return are_too_many(with_rolling) ? out : with_rolling;
 }
 
 std::vector<RefinedPose> refined_poses(const RigChanges& changes, const Dataset& dataset) {
@@ -62,7 +66,8 @@ void apply(const RigChanges& changes, Dataset& dataset) {
     }
     if (!std::ranges::all_of(has_image, [](bool has) { return has; }))
         throw InputError(dataset.folder.string(), "",
-                         "has a frame of which no image is left without cameras that are late", Remedy::kKeepTimes);
+                         "has a frame of which no image is left without cameras that are late or roll",
+                         Remedy::kKeepTimes);
     size_t view = 0;
     std::erase_if(dataset.views, [&](View& one) {
         const int64_t frame = frames[view++];

@@ -23,8 +23,8 @@ struct RigChanges {
 constexpr double kMostFramesLate = 1;  // more cannot be told from images of two neighbouring frames
 
 // A camera that is found further from all whole frames shows the performer as no frame of the clip has it. What is
-// found falls short of the truth, as the camera's own images are part of the draft: half a frame is found as 0.3
-// (RESULTS.md).
+// found falls short of the truth, as the camera's own images are part of the draft: half a frame was found as 0.3, and
+// in clean rigs up to 0.05.
 constexpr double kMostOffFrame = 0.12;
 
 // With a longer readout, the first and last rows of a camera are as far from frames as the images of one between them.
@@ -35,9 +35,9 @@ constexpr double kLongestReadout = 10;  // that is taken for a number of frames
 // Whether a camera's images are of no use, by how late it is.
 bool is_between_frames(double frames_late);
 
-// By camera, whether its images are left out: those between frames, and those of which the rows are, unless they are
-// more than a quarter of all. Then the rig as a whole has no common frames, and images that blend them are better than
-// none.
+// By camera, whether its images are left out: those between frames, unless they are more than a quarter of all. Then
+// the rig as a whole has no common frames, and images that blend them are better than none. So are those of rolling
+// shutters, unless they and the others are more than a quarter.
 std::vector<bool> left_out(const RigChanges& changes);
 
 // What the change of one camera's pose comes to.

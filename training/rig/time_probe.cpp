@@ -46,12 +46,10 @@ double TimeEvidence::frames_late() const {
 // A line through how late bands are, each with its motion as its weight.
 Readout TimeEvidence::readout() const {
     double weights = 0, squared_weights = 0, row = 0, late = 0, row_row = 0, row_late = 0, late_late = 0;
-    int bands = 0;
     for (size_t band = 0; band < kRowBands; ++band) {
         const double weight = std::min(next[band].motion, previous[band].motion);
         if (weight <= 0) continue;
         const double x = (static_cast<double>(band) + 0.5) / kRowBands, y = late_by(next[band], previous[band]);
-        ++bands;
         weights += weight;
         squared_weights += weight * weight;
         row += weight * x;
@@ -60,13 +58,13 @@ Readout TimeEvidence::readout() const {
         row_late += weight * x * y;
         late_late += weight * y * y;
     }
-    if (bands < 3) return {};
+    const double equal_bands = weights > 0 ? weights * weights / squared_weights : 0;  // as many say as much
+    if (equal_bands < kLeastBands) return {};
     const double mean_row = row / weights, mean_late = late / weights;
     const double spread = row_row / weights - mean_row * mean_row;
     const double slope = (row_late / weights - mean_row * mean_late) / spread;
     const double off_line = std::max(late_late / weights - mean_late * mean_late - slope * slope * spread, 0.0);
-    const double equal_bands = weights * weights / squared_weights;  // as many say as much
-    return {slope, std::sqrt(off_line / spread / std::max(equal_bands - 1, 0.5))};
+    return {slope, std::sqrt(off_line / spread / (equal_bands - 2))};
 }
 
 double TimeEvidence::blur() const {

@@ -1,4 +1,5 @@
-// By how much a camera is late, from how well its images fit the field at the frames beside their own.
+// By how much a camera is late, its shutter rolls, and is open, from how well its images fit the field at the frames
+// beside their own.
 #pragma once
 
 #include <array>
@@ -11,13 +12,15 @@ namespace neuvv::training {
 
 constexpr size_t kRowBands = 8;
 
-// What a camera's images say when they are asked about the next frame, and about the previous one, by bands of rows
-// from the top of the image to its bottom. By how many frames the bottom of an image is later than its top, and the
-// standard deviation of that, by how well bands of rows lie on a line; infinite where less than three bands move.
+// By how many frames the bottom of an image is later than its top, and the standard deviation of that, by how well
+// bands of rows lie on a line; infinite where too few bands move, which always lie near one.
+constexpr double kLeastBands = 3.5;  // each counted by its share of the motion
 struct Readout {
     double frames = 0, deviation = std::numeric_limits<double>::infinity();
 };
 
+// What a camera's images say when they are asked about the next frame, and about the previous one, by bands of rows
+// from the top of the image to its bottom.
 struct TimeEvidence {
     struct Sums {
         double along = 0;  // (image − render at its frame) · (render at the frame beside it − render at its frame)

@@ -230,7 +230,8 @@ void RigSearch::conclude_times() {
     found_.blur.assign(cameras, 0);
     found_.late_by.assign(cameras, std::numeric_limits<double>::infinity());
     found_.roll_by = found_.late_by;
-    std::vector<double> blurs;
+    std::vector<double> blurs;  // of cameras whose frames are those of the draft
+    std::vector<size_t> exposures_known;
     for (size_t camera = 0; camera < cameras; ++camera) {
         TimeEvidence all;
         double sum = 0, squares = 0, count = 0;
@@ -247,17 +248,16 @@ void RigSearch::conclude_times() {
         found_.changes.readout[camera] = std::clamp(readout.frames, -kLongestReadout, kLongestReadout);
         found_.late_by[camera] = std::sqrt(std::max(squares / count - mean * mean, 0.0) / (count - 1));
         found_.roll_by[camera] = readout.deviation;
+        const bool known = found_.late_by[camera] < kMostDeviation;
+        if (!known || is_late(found_, camera) || is_rolling(found_, camera)) continue;
         found_.blur[camera] = all.blur();
         blurs.push_back(found_.blur[camera]);
+        exposures_known.push_back(camera);
     }
     if (blurs.empty()) return;
     const auto middle = blurs.begin() + static_cast<ptrdiff_t>(blurs.size() / 2);
     std::ranges::nth_element(blurs, middle);
-    for (size_t camera = 0; camera < cameras; ++camera) {
-        const bool known = found_.late_by[camera] < kMostDeviation;
-        const bool moves_otherwise = is_late(found_, camera) || is_rolling(found_, camera);
-        found_.blur[camera] = known && !moves_otherwise ? found_.blur[camera] - *middle : 0;
-    }
+    for (const size_t camera : exposures_known) found_.blur[camera] -= *middle;
 }
 
 std::optional<RigFindings> RigSearch::operator()(const gpu::Device& device, const RigSearchCallback& callback) {
@@ -303,7 +303,8 @@ bool is_late(const RigFindings& findings, size_t camera) {
 
 bool is_rolling(const RigFindings& findings, size_t camera) {
     const double readout = std::abs(findings.changes.readout[camera]);
-    return readout > kMostReadout && readout > kReadoutDeviations * findings.roll_by[camera];
+    const double by = findings.roll_by[camera];
+    return by < kMostRollDeviation && readout > kMostReadout && readout > kReadoutDeviations * by;
 }
 
 Refinement worthwhile(const RigFindings& findings) {

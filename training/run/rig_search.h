@@ -58,8 +58,8 @@ constexpr double kMostUnsteady = 0.25;  // of that motion: where the last rounds
 constexpr double kWorthFrames = kMostOffFrame, kMostDeviation = 0.1;  // of how late any camera is
 constexpr double kDeviations = 4;  // by how many standard deviations it has to be late
 
-constexpr double kReadoutDeviations = 5;  // of a readout, which counts from kMostReadout on
-constexpr double kWorthBlur = 0.4;        // of an exposure, to be told; clean rigs seem to have up to 0.2
+constexpr double kReadoutDeviations = 5, kMostRollDeviation = 0.2;  // of a readout, from kMostReadout on
+constexpr double kWorthBlur = 0.4;  // of an exposure, to be told; clean rigs seem to have up to 0.2
 
 // Whether a camera is late, and whether its shutter rolls, by these constants.
 bool is_late(const RigFindings& findings, size_t camera);

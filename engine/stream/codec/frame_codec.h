@@ -30,8 +30,8 @@ constexpr std::pair<uint32_t, uint32_t> planes_of_part(Part part, uint32_t plane
     return {kPlanesOfMean, planes};
 }
 
-// Runs run(begin, end) for parts of [0, count) of at most `grain`, at the same time where the caller has threads for
-// it.
+// Runs run(begin, end) for parts of [0, count), at the same time where the caller has threads for it: parts of at most
+// `grain`, or one of all.
 using InParts =
     std::function<void(size_t count, size_t grain, const std::function<void(size_t begin, size_t end)>& run)>;
 void in_one_part(size_t count, size_t grain, const std::function<void(size_t begin, size_t end)>& run);

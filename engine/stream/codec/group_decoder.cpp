@@ -1,31 +1,33 @@
 #include "stream/codec/group_decoder.h"
 
+#include <array>
 #include <cstddef>
+#include <cstring>
 #include <exception>
 #include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
-#include <string>
+#include <utility>
 
 #include "stream/codec/frame_decoder.h"
 #include "stream/codec/symbols.h"
 
-using namespace neuvv::stream;
-
-static_assert(sizeof(NeuvvLeaf) == sizeof(Leaf) && offsetof(NeuvvLeaf, depth) == offsetof(Leaf, depth));
+static_assert(sizeof(NeuvvLeaf) == sizeof(neuvv::stream::Leaf) &&
+              offsetof(NeuvvLeaf, depth) == offsetof(neuvv::stream::Leaf, depth));
 
 struct NeuvvGroupDecoder {
-    Tables tables;
-    Format format;
-    std::optional<Slice> last;  // the frame that was decoded last; none after an error
+    neuvv::stream::Tables tables;
+    neuvv::stream::Format format;
+    std::optional<neuvv::stream::Slice> last;  // the frame that was decoded last; none after an error
     uint32_t last_parts = 0;
-    std::string error;
+    std::array<char, 100> error{};
 };
 
+namespace neuvv::stream {
 namespace {
 
-PartBytes parts_of(std::span<const uint8_t> bytes, const uint32_t* part_bytes, uint32_t parts) {
+PartBytes c_parts_of(std::span<const uint8_t> bytes, const uint32_t* part_bytes, uint32_t parts) {
     if (parts < 1 || parts > kParts) throw std::runtime_error("has no such number of parts");
     PartBytes spans;
     for (uint32_t part = 0; part < parts; ++part) {
@@ -36,7 +38,7 @@ PartBytes parts_of(std::span<const uint8_t> bytes, const uint32_t* part_bytes, u
     return spans;
 }
 
-Slice decoded(const NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t parts) {
+Slice decoded_next(const NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t parts) {
     const FrameShape shape =
         decode_shape(bytes[kShape], group.tables, group.format, group.last ? &group.last->leaves : nullptr);
     if (!shape.is_key && parts != group.last_parts)
@@ -46,9 +48,11 @@ Slice decoded(const NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t p
 }
 
 }  // namespace
+}  // namespace neuvv::stream
 
 NeuvvGroupDecoder* neuvv_group_new(const uint8_t* tables, size_t table_bytes, uint32_t depth, uint32_t degree,
                                    uint32_t most_leaves) {
+    using namespace neuvv::stream;
     if (depth < 2 || depth > kMaxDepth || depth % 2 != 0 || degree > kMaxDegree || most_leaves > kMaxStreamLeaves)
         return nullptr;
     try {
@@ -68,14 +72,15 @@ int32_t neuvv_group_decode(NeuvvGroupDecoder* decoder, const uint8_t* bytes, siz
                            const uint32_t* part_bytes, uint32_t parts) {
     if (!decoder) return -1;
     try {
-        decoder->error.clear();
-        Slice slice = decoded(*decoder, parts_of({bytes, byte_count}, part_bytes, parts), parts);
+        decoder->error = {};
+        neuvv::stream::Slice slice = neuvv::stream::decoded_next(
+            *decoder, neuvv::stream::c_parts_of({bytes, byte_count}, part_bytes, parts), parts);
         decoder->last = std::move(slice);
         decoder->last_parts = parts;
         return static_cast<int32_t>(decoder->last->leaves.size());
     } catch (const std::exception& problem) {
         decoder->last.reset();
-        decoder->error = problem.what();
+        std::strncpy(decoder->error.data(), problem.what(), decoder->error.size() - 1);
         return -1;
     }
 }
@@ -92,5 +97,5 @@ const int16_t* neuvv_group_plane(const NeuvvGroupDecoder* decoder, uint32_t plan
 }
 
 const char* neuvv_group_error(const NeuvvGroupDecoder* decoder) {
-    return decoder ? decoder->error.c_str() : "there is no group";
+    return decoder ? decoder->error.data() : "there is no group";
 }
