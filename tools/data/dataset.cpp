@@ -220,13 +220,12 @@ void print_memory(const training::Rig& rig, const training::Rig& sample, const t
 
 // One black matte among good ones makes a hole in its moment's hull; the sample of times misses it.
 void print_empty_mattes(const training::Rig& rig) {
-    Progress line("mattes");
+    StatusLine line(false);
     const auto progress = [&](uint64_t done, uint64_t total) {
-        line.set_total(total);
-        line.update(done);
+        if (line.is_due()) line.print(fmt::format("mattes {}/{}", done, total));
     };
     const auto empty = try_to_find([&] { return training::find_empty_mattes(rig, kMattesRead, progress); });
-    line.finish();
+    line.end();
     if (!empty.found) return print_field("note", empty.missing);
     const std::vector<uint32_t>& shots = empty.found->shots;
     for (size_t i = 0; i < std::min(shots.size(), kMaxPrintedMattes); ++i)
