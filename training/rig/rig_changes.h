@@ -12,8 +12,8 @@ struct RigChanges {
     // The frames by which the camera's shutter is late: its image of frame t shows the performer at t + this.
     std::vector<double> frames_late;
 
-    // The frames by which the bottom of the camera's images is later than their top, as far as it is alone in that: a
-    // rolling shutter.
+    // The frames by which the bottom of the camera's images is later than their top, beyond what all cameras have in
+    // common: a rolling shutter.
     std::vector<double> readout;
 
     bool empty() const { return poses.empty() && frames_late.empty() && readout.empty(); }

@@ -12,9 +12,11 @@ namespace neuvv::training {
 
 constexpr size_t kRowBands = 8;
 
-// By how many frames the bottom of an image is later than its top, and the standard deviation of that, by how well
-// bands of rows lie on a line; infinite where too few bands move, which always lie near one.
-constexpr double kLeastBands = 3.5;  // each counted by its share of the motion
+// Fewer bands of rows always lie near a line. Each counts by its share of the motion.
+constexpr double kLeastBands = 3.5;
+
+// By how many frames the bottom of an image is later than its top, and the standard deviation of that, which follows
+// from how far bands of rows lie off a line; infinite where too few bands move.
 struct Readout {
     double frames = 0, deviation = std::numeric_limits<double>::infinity();
 };
