@@ -30,12 +30,18 @@ neuvv_test(voctree_test HOSTILE COST 12
     voctree/nvv_atomic_test.cpp
     voctree/edit_layer_test.cpp
     voctree/slice_paint_test.cpp
+    voctree/tree_slice_test.cpp
     voctree/plenoctree_test.cpp
     voctree/plenoctree_forms_test.cpp
     voctree/clip_index_test.cpp
     voctree/frames_test.cpp
     voctree/solid_leaves_test.cpp
   LINKS neuvv_voctree neuvv_media PkgConfig::zstd PkgConfig::xxhash PkgConfig::libzip)
+
+neuvv_test(slice_test
+  SOURCES
+    slice/slice_test.cpp
+  LINKS neuvv_slice)
 
 neuvv_test(stream_test HOSTILE
   SOURCES
@@ -194,7 +200,6 @@ target_compile_definitions(stage_test PRIVATE NEUVV_SOURCE_DIR="${PROJECT_SOURCE
 
 neuvv_test(interchange_test HOSTILE
   SOURCES
-    interchange/frame_volume_test.cpp
     interchange/splats_test.cpp
     interchange/splat_files_test.cpp
     interchange/plenoctree_npz_test.cpp

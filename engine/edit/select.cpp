@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/sigmoid.h"
 #include "base/threads/parallel.h"
-#include "voctree/sigmoid.h"
 
 namespace neuvv::edit {
 
@@ -99,7 +99,7 @@ float density(const voctree::VOctree& tree, const voctree::RowsAtTime& rows, uin
 glm::vec3 mean_colour(const voctree::VOctree& tree, const voctree::RowsAtTime& rows, uint32_t leaf) {
     constexpr float kPi = 3.14159265f, kY00 = 0.28209479f;
     const float* weights = tree.leaf(leaf);
-    const float c = std::cos(kPi * voctree::sigmoid(dot(rows.gamma, weights + tree.bases)));
+    const float c = std::cos(kPi * sigmoid(dot(rows.gamma, weights + tree.bases)));
     // R_n0(γ) for the degrees n = 0 to 3 (errata 1, 2), and the indices of H_n00.
     const float radial[] = {1, 2 * c, 4 * c * c - 1, 8 * c * c * c - 4 * c};
     constexpr uint32_t kFunction[] = {0, 1, 5, 14};
@@ -108,7 +108,7 @@ glm::vec3 mean_colour(const voctree::VOctree& tree, const voctree::RowsAtTime& r
         const float* hh = weights + 2 * tree.bases + channel * hh_count(tree.hh_degree);
         float k = 0;
         for (uint32_t n = 0; n <= tree.hh_degree; ++n) k += std::sqrt(2 / kPi) * radial[n] * hh[kFunction[n]];
-        colour[static_cast<int>(channel)] = voctree::sigmoid(kY00 * k);
+        colour[static_cast<int>(channel)] = sigmoid(kY00 * k);
     }
     return colour;
 }

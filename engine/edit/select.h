@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "render/volume/slices/paint.h"
-#include "voctree/frame_leaves.h"
 #include "voctree/temporal_basis.h"
 
 namespace neuvv::edit {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/sigmoid.h"
 #include "media/image.h"
 #include "voctree/sh_weights.h"
-#include "voctree/sigmoid.h"
 
 namespace neuvv::voctree {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voctree/sigmoid.h"
+#include "base/sigmoid.h"
 
 namespace neuvv::voctree {
 
@@ -38,18 +38,18 @@ glm::vec3 blended(uint32_t blend, glm::vec3 colour, glm::vec3 target) {
     }
 }
 
-glm::vec3 mean_colour(const LeafColours& k) {
+glm::vec3 mean_colour(const slice::Colours& k) {
     glm::vec3 mean;
-    for (int c = 0; c < 3; ++c) mean[c] = sigmoid(kMeanHarmonic * k[static_cast<size_t>(c)][0]);
+    for (int c = 0; c < 3; ++c) mean[c] = sigmoid(slice::kMeanHarmonic * k[static_cast<size_t>(c)][0]);
     return mean;
 }
 
-void set_mean_colour(glm::vec3 mean, LeafColours& k) {
-    for (int c = 0; c < 3; ++c) k[static_cast<size_t>(c)][0] = std::log(mean[c] / (1 - mean[c])) / kMeanHarmonic;
+void set_mean_colour(glm::vec3 mean, slice::Colours& k) {
+    for (int c = 0; c < 3; ++c) k[static_cast<size_t>(c)][0] = std::log(mean[c] / (1 - mean[c])) / slice::kMeanHarmonic;
 }
 
 // What a layer of weight `part` leaves of the coefficients that let the colour depend on the direction of view.
-void paint_harmonics(uint32_t blend, float part, uint32_t degree, LeafColours& k) {
+void paint_harmonics(uint32_t blend, float part, uint32_t degree, slice::Colours& k) {
     for (size_t i = 1; i < sh_count(degree); ++i) {
         const float grey = luminance({k[0][i], k[1][i], k[2][i]});
         for (auto& channel : k) {
@@ -80,7 +80,7 @@ float FrameEdits::painted_density(uint32_t leaf, float sigma) const {
     return sigma;
 }
 
-void FrameEdits::paint_colours(uint32_t leaf, uint32_t degree, LeafColours& k) const {
+void FrameEdits::paint_colours(uint32_t leaf, uint32_t degree, slice::Colours& k) const {
     for (const Applied& one : of_leaf(leaf)) {
         const float part = one.opacity * one.edit->alpha;
         if (part == 0) continue;

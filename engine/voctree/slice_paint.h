@@ -2,17 +2,14 @@
 // device.
 #pragma once
 
-#include <array>
 #include <span>
 #include <vector>
 
-#include "shared/hh_counts.h"
 #include "shared/paint.h"
+#include "slice/slice.h"
 #include "voctree/edit_layer.h"
 
 namespace neuvv::voctree {
-
-constexpr float kMeanHarmonic = 0.28209479f;  // Y_00, the same in all directions
 
 // A visible layer, and how it is blended with those below it.
 struct PaintStep {
@@ -20,9 +17,6 @@ struct PaintStep {
     uint32_t blend = kPaintNormal;  // kPaintNormal to kPaintRecolour
     float opacity = 1;
 };
-
-// The colours of a leaf: k_lm of each channel.
-using LeafColours = std::array<std::array<float, kMaxShCount>, 3>;
 
 // The edits of layers that apply at one frame, found by leaf.
 class FrameEdits {
@@ -32,7 +26,7 @@ class FrameEdits {
 
     // The density of a leaf, 1/m, after those edits that change it.
     float painted_density(uint32_t leaf, float sigma) const;
-    void paint_colours(uint32_t leaf, uint32_t degree, LeafColours& k) const;
+    void paint_colours(uint32_t leaf, uint32_t degree, slice::Colours& k) const;
 
   private:
     struct Applied {

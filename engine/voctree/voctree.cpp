@@ -7,6 +7,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "slice/cell_code.h"
+
 namespace neuvv::voctree {
 
 namespace {
@@ -30,30 +32,6 @@ bool is_whole_octant_leaf(const VOctree& tree, uint64_t mask, uint32_t octant, s
     const uint32_t entry = tree.children[slot];
     return (entry & kLeafBit) && std::all_of(&tree.children[slot], &tree.children[slot] + 8,
                                              [entry](uint32_t other) { return other == entry; });
-}
-
-// Moves bit i of a coordinate (at most 12 bits) to bit 3i.
-uint64_t spread_bits(uint32_t coordinate) {
-    uint64_t bits = coordinate;
-    bits = (bits | bits << 16) & 0x0000ff0000ffull;
-    bits = (bits | bits << 8) & 0x00f00f00f00full;
-    bits = (bits | bits << 4) & 0x0c30c30c30c3ull;
-    bits = (bits | bits << 2) & 0x249249249249ull;
-    return bits;
-}
-
-// The inverse of spread_bits; other bits are ignored.
-uint32_t joined_bits(uint64_t bits) {
-    bits &= 0x249249249249ull;
-    bits = (bits | bits >> 2) & 0x0c30c30c30c3ull;
-    bits = (bits | bits >> 4) & 0x00f00f00f00full;
-    bits = (bits | bits >> 8) & 0x0000ff0000ffull;
-    bits = (bits | bits >> 16) & 0x000000000fffull;
-    return static_cast<uint32_t>(bits);
-}
-
-uint64_t morton_code(uint32_t x, uint32_t y, uint32_t z) {
-    return spread_bits(x) | spread_bits(y) << 1 | spread_bits(z) << 2;
 }
 
 struct SortedLeaf {
@@ -94,11 +72,12 @@ NodePosition child_position(const NodePosition& parent, uint32_t node, uint32_t 
 }  // namespace
 
 uint64_t first_cell(const LeafPosition& position, uint32_t finest_depth) {
-    return morton_code(position.x, position.y, position.z) << (3 * (finest_depth - position.depth));
+    return slice::code_of({position.x, position.y, position.z}) << (3 * (finest_depth - position.depth));
 }
 
 LeafPosition position_of(uint64_t code, uint32_t depth) {
-    return {joined_bits(code), joined_bits(code >> 1), joined_bits(code >> 2), depth};
+    const glm::uvec3 cell = slice::cell_of(code);
+    return {cell.x, cell.y, cell.z, depth};
 }
 
 void build_nodes(VOctree& tree, const std::vector<LeafPosition>& positions) {
@@ -154,10 +133,6 @@ void replace_leaves(VOctree& tree, const std::vector<LeafPosition>& positions, c
     for (uint32_t i = 0; i < tree.leaf_count; ++i) std::copy_n(from[i], tree.weights_per_leaf(), tree.leaf(i));
 }
 
-float leaf_edge_m(glm::vec3 box_size, uint32_t depth) {
-    return std::ldexp((box_size.x + box_size.y + box_size.z) / 3, -static_cast<int>(depth));
-}
-
 std::vector<LeafPosition> leaf_positions(const VOctree& tree) {
     std::vector<LeafPosition> positions(tree.leaf_count);
     std::vector<NodePosition> level_nodes = {{0, 0, 0, 0}}, next;
@@ -195,7 +170,7 @@ uint32_t find_leaf(const VOctree& tree, glm::dvec3 position_tree) {
     uint32_t node_index = 0;
     for (uint32_t level = 0; level < tree.node_levels; ++level) {
         const glm::uvec3 digit = finest >> (2 * (tree.node_levels - 1 - level)) & 3u;
-        const auto cell = static_cast<uint32_t>(morton_code(digit.x, digit.y, digit.z));
+        const auto cell = static_cast<uint32_t>(slice::code_of({digit.x, digit.y, digit.z}));
         const TreeNode& node = tree.nodes[node_index];
         if (!(mask_of(node) >> cell & 1)) return UINT32_MAX;
         const uint32_t entry = tree.children[child_slot(node, cell)];

@@ -14,6 +14,7 @@
 
 #include "shared/hh_counts.h"
 #include "shared/tree.h"
+#include "slice/slice.h"
 
 namespace neuvv::voctree {
 
@@ -71,10 +72,9 @@ void build_nodes(VOctree& tree, const std::vector<LeafPosition>& positions);
 // The inverse: the position of each leaf, by leaf index.
 std::vector<LeafPosition> leaf_positions(const VOctree& tree);
 
-// The mean of the three edges of a leaf of this octree depth, metres. `box_size`: of the root, metres.
-float leaf_edge_m(glm::vec3 box_size, uint32_t depth);
+// The mean of the three edges of a leaf of this octree depth, metres.
 inline float leaf_edge_m(const VOctree& tree, uint32_t depth) {
-    return leaf_edge_m(tree.box_size, depth);
+    return slice::edge_m(tree.box_size, depth);
 }
 
 // As build_topology, but leaf i gets the weights (weights_per_leaf() numbers) at `from[i]`, which may point into

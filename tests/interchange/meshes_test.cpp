@@ -21,7 +21,6 @@ namespace neuvv::test {
 namespace {
 
 using interchange::ColouredMesh;
-using interchange::FrameVolume;
 using interchange::MappedMesh;
 using interchange::TriangleMesh;
 
@@ -34,9 +33,9 @@ float logit(float linear) {
 }
 
 // Opaque, red where x is more than ½, green elsewhere.
-FrameVolume two_colours() {
-    FrameVolume volume = volume_of(5, 1e4f, [](const glm::vec3& p) { return glm::distance(p, kCentre) < kRadius; });
-    for (interchange::VolumeLeaf& leaf : volume.leaves) {
+slice::Slice two_colours() {
+    slice::Slice volume = volume_of(5, 1e4f, [](const glm::vec3& p) { return glm::distance(p, kCentre) < kRadius; });
+    for (slice::Leaf& leaf : volume.leaves) {
         const bool red = volume.centre_m(leaf).x > 0.5f;
         leaf.colours[0][0] = logit(red ? 0.8f : 0.05f);
         leaf.colours[1][0] = logit(red ? 0.05f : 0.6f);
@@ -69,7 +68,7 @@ bool is_inside(const std::array<glm::vec2, 3>& corners, const glm::vec2& p) {
 // A rough surface, whose charts would overlap where they are not divided.
 TEST(Atlas, HasNoOverlapsAndKeepsChartsApart) {
     constexpr int kPixels = 512;
-    const FrameVolume volume = volume_of(5, 1e4f, [](const glm::vec3& p) {
+    const slice::Slice volume = volume_of(5, 1e4f, [](const glm::vec3& p) {
         const glm::vec2 at(p.x - 0.5f, p.z - 0.5f);
         const float turn = std::atan2(at.y, at.x) / 6.2831853f + p.y * 2;  // a screw
         return glm::length(at) < 0.12f || (glm::length(at) < 0.4f && std::abs(turn - std::round(turn)) < 0.2f);

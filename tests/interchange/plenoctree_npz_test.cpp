@@ -16,6 +16,7 @@
 #include "voctree/files/half.h"
 #include "voctree/files/plenoctree.h"
 #include "voctree/sh_weights.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv {
 namespace {
@@ -37,14 +38,14 @@ std::vector<T> numbers_of(const NpzReader& npz, const std::string& name, const s
 struct PlenoctreeNpz : testing::Test {
     TemporaryFolder folder;
     std::filesystem::path file = folder.path / "tree.npz";
-    interchange::FrameVolume volume;
+    slice::Slice volume;
 
     void write(uint32_t degree) {
-        volume = interchange::frame_volume(
+        volume = voctree::slice_of(
             test::random_tree({.node_levels = 3, .leaves = 500, .bases = 2, .hh_degree = degree, .frames = 2}), 1);
         ASSERT_GT(volume.leaves.size(), 100u);
         // Colours that depend little on the direction, as those of trained clips do.
-        for (interchange::VolumeLeaf& leaf : volume.leaves)
+        for (slice::Leaf& leaf : volume.leaves)
             for (auto& channel : leaf.colours)
                 for (size_t k = 1; k < channel.size(); ++k) channel[k] *= 0.2f;
         volume.leaves[7].sigma = 1e6f;  // more than a half holds
@@ -66,7 +67,7 @@ struct PlenoctreeNpz : testing::Test {
 };
 
 // The sRGB colour of a leaf of the volume in a direction.
-double shown_colour(const interchange::VolumeLeaf& leaf, size_t channel, uint32_t degree, glm::dvec3 d) {
+double shown_colour(const slice::Leaf& leaf, size_t channel, uint32_t degree, glm::dvec3 d) {
     const auto basis = voctree::sh_basis(d);
     double logit = 0;
     for (size_t k = 0; k < sh_count(degree); ++k) logit += static_cast<double>(leaf.colours[channel][k]) * basis[k];
@@ -80,7 +81,7 @@ TEST_F(PlenoctreeNpz, SvoxFindsEachLeafInItsPlace) {
         EXPECT_EQ(tree.functions, sh_count(degree));
         test::Random random(3);
         double worst = 0;
-        for (const interchange::VolumeLeaf& leaf : volume.leaves) {
+        for (const slice::Leaf& leaf : volume.leaves) {
             const glm::dvec3 at = glm::dvec3(volume.centre_m(leaf)) +
                                   0.4 * glm::dvec3(volume.edges_m(leaf)) *
                                       glm::dvec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
@@ -110,14 +111,14 @@ TEST_F(PlenoctreeNpz, OurImportReadsTheSameLeaves) {
     const voctree::VOctree tree = voctree::read_plenoctree(file, voctree::PlenoctreeColours::kAsStored);
     EXPECT_LT(glm::distance(tree.box_min, volume.box_min), 1e-5f);
     EXPECT_LT(glm::distance(tree.box_size, volume.box_size), 1e-5f);
-    const interchange::FrameVolume read = interchange::frame_volume(tree, 0);
+    const slice::Slice read = voctree::slice_of(tree, 0);
     ASSERT_EQ(read.leaves.size(), volume.leaves.size());
     for (size_t i = 0; i < read.leaves.size(); ++i) {
         EXPECT_LT(glm::distance(read.centre_m(read.leaves[i]), volume.centre_m(volume.leaves[i])), 1e-5f) << i;
         EXPECT_EQ(read.leaves[i].depth, volume.leaves[i].depth);
     }
     // In linear light, the colours are the clip's again.
-    const auto linear = interchange::frame_volume(voctree::read_plenoctree(file), 0);
+    const auto linear = voctree::slice_of(voctree::read_plenoctree(file), 0);
     double sum = 0;
     for (size_t i = 0; i < linear.leaves.size(); ++i)
         sum += std::abs(shown_colour(linear.leaves[i], 1, 2, {0.6, 0.8, 0}) -

@@ -18,6 +18,7 @@
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
 #include "tests/stage/stage_files.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::test {
 namespace {
@@ -30,7 +31,7 @@ std::vector<Splats> three_frames() {
     std::vector<Splats> frames;
     for (uint32_t i = 0; i < 3; ++i) {
         const glm::dquat turned = glm::normalize(glm::dquat(1, 0.2, 0, 0.1));
-        frames.push_back(interchange::splats_of(interchange::frame_volume(tree, i), {}, turned));
+        frames.push_back(interchange::splats_of(voctree::slice_of(tree, i), {}, turned));
     }
     return frames;
 }

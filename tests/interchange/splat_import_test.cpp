@@ -19,14 +19,13 @@
 #include "support/look_at.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::test {
 namespace {
 
-using interchange::FrameVolume;
 using interchange::Splat;
 using interchange::Splats;
-using interchange::VolumeLeaf;
 
 // Splats of all forms around the origin.
 Splats some_splats(uint32_t degree, size_t count) {
@@ -202,10 +201,10 @@ TEST(Voxelise, OpaqueSplatsAreOpaque) {
     interchange::write_splat_ply(folder.path / "x.ply", splats);
     overwrite(folder.path / "x.ply", 1, 0, "opacity", kInfinity);
     const Splats read = interchange::read_splat_ply(folder.path / "x.ply").splats;
-    const FrameVolume volume =
-        interchange::frame_volume(interchange::voxelised(read, interchange::box_of(read), 0.02, 25, "x", [] {}), 0);
+    const slice::Slice volume =
+        voctree::slice_of(interchange::voxelised(read, interchange::box_of(read), 0.02, 25, "x", [] {}), 0);
     float most = 0;
-    for (const VolumeLeaf& leaf : volume.leaves) most = std::max(most, leaf.sigma);
+    for (const slice::Leaf& leaf : volume.leaves) most = std::max(most, leaf.sigma);
     EXPECT_GT(1 - std::exp(-most * 0.2f), 0.98f);
 }
 
@@ -358,9 +357,9 @@ Splats one_splat(const glm::vec3& deviation, const glm::quat& rotation, float op
 }
 
 // The optical depth along an axis through (x, y).
-double depth_along(const FrameVolume& volume, int axis, const glm::dvec3& through) {
+double depth_along(const slice::Slice& volume, int axis, const glm::dvec3& through) {
     double sum = 0;
-    for (const VolumeLeaf& leaf : volume.leaves) {
+    for (const slice::Leaf& leaf : volume.leaves) {
         const glm::dvec3 offset = glm::abs(through - glm::dvec3(volume.centre_m(leaf)));
         bool crosses = true;
         for (int a = 0; a < 3; ++a) crosses &= a == axis || offset[a] <= 0.5 * double{volume.edges_m(leaf)[a]};
@@ -375,7 +374,7 @@ TEST(Voxelise, DimsRaysAsASplatDoes) {
         const Splats splats = one_splat(glm::vec3(0.1f), {1, 0, 0, 0}, opacity);
         const voctree::VOctree tree =
             interchange::voxelised(splats, {glm::dvec3(-1), glm::dvec3(1)}, 0.02, 25, "x", [] {});
-        const FrameVolume volume = interchange::frame_volume(tree, 0);
+        const slice::Slice volume = voctree::slice_of(tree, 0);
         for (const double distance : {0.0, 0.05, 0.1, 0.15, 0.2})
             for (int axis = 0; axis < 3; ++axis) {
                 glm::dvec3 through(splats.splats[0].centre);
@@ -396,9 +395,9 @@ TEST(Voxelise, KeepsDiscsThatAreThinnerThanCells) {
     const glm::quat about_y(std::sqrt(0.5f), 0, std::sqrt(0.5f), 0);  // z becomes x
     const Splats splats = one_splat({0.3f, 0.3f, 0.002f}, about_y, 0.6f);
     const voctree::VOctree tree = interchange::voxelised(splats, {glm::dvec3(-2), glm::dvec3(2)}, 0.05, 25, "x", [] {});
-    const FrameVolume volume = interchange::frame_volume(tree, 0);
+    const slice::Slice volume = voctree::slice_of(tree, 0);
     EXPECT_NEAR(1 - std::exp(-depth_along(volume, 0, {0.101, -0.201, 0.301})), 0.6, 0.03);
-    for (const VolumeLeaf& leaf : volume.leaves) {
+    for (const slice::Leaf& leaf : volume.leaves) {
         const glm::vec3 offset = glm::abs(volume.centre_m(leaf) - splats.splats[0].centre);
         EXPECT_LT(offset.x, 0.2f);
         EXPECT_LT(std::max(offset.y, offset.z), 1.3f);
@@ -407,10 +406,10 @@ TEST(Voxelise, KeepsDiscsThatAreThinnerThanCells) {
 
 TEST(Voxelise, HasTheColoursOfSplats) {
     const Splats splats = one_splat(glm::vec3(0.1f), {1, 0, 0, 0}, 0.9f);
-    const FrameVolume volume = interchange::frame_volume(
-        interchange::voxelised(splats, {glm::dvec3(-1), glm::dvec3(1)}, 0.05, 25, "x", [] {}), 0);
+    const slice::Slice volume =
+        voctree::slice_of(interchange::voxelised(splats, {glm::dvec3(-1), glm::dvec3(1)}, 0.05, 25, "x", [] {}), 0);
     ASSERT_GT(volume.leaves.size(), 20u);
-    for (const VolumeLeaf& leaf : volume.leaves)
+    for (const slice::Leaf& leaf : volume.leaves)
         for (int c = 0; c < 3; ++c) {
             const double srgb = 0.5 + 0.28209479 * double{splats.splats[0].colour[0][c]};
             const double linear = 1 / (1 + std::exp(-0.28209479 * double{leaf.colours[static_cast<size_t>(c)][0]}));
@@ -426,10 +425,10 @@ TEST(Voxelise, ChoosesCellsBySplatsAndKeepsToTheBox) {
     splats.splats[1].deviation = glm::vec3(0.02f);
     splats.splats.push_back(splats.splats[1]);
     splats.splats[2].centre.x = 5;
-    const FrameVolume volume = interchange::frame_volume(
-        interchange::voxelised(splats, {glm::dvec3(-2), glm::dvec3(2)}, 0.01, 25, "x", [] {}), 0);
+    const slice::Slice volume =
+        voctree::slice_of(interchange::voxelised(splats, {glm::dvec3(-2), glm::dvec3(2)}, 0.01, 25, "x", [] {}), 0);
     float least = 1, most = 0;
-    for (const VolumeLeaf& leaf : volume.leaves) {
+    for (const slice::Leaf& leaf : volume.leaves) {
         least = std::min(least, volume.edge_m(leaf));
         most = std::max(most, volume.edge_m(leaf));
         for (int a = 0; a < 3; ++a) EXPECT_LT(std::abs(volume.centre_m(leaf)[a]), 2);

@@ -17,16 +17,16 @@
 #include "support/look_at.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::test {
 namespace {
 
-using interchange::FrameVolume;
 using interchange::Splats;
 
-FrameVolume some_volume(uint32_t degree) {
-    return interchange::frame_volume(
-        random_tree({.seed = 7, .node_levels = 2, .leaves = 150, .bases = 4, .hh_degree = degree}), 2);
+slice::Slice some_volume(uint32_t degree) {
+    return voctree::slice_of(random_tree({.seed = 7, .node_levels = 2, .leaves = 150, .bases = 4, .hh_degree = degree}),
+                             2);
 }
 
 glm::dvec3 direction(Random& random) {
@@ -44,7 +44,7 @@ glm::dvec3 shown_by_splat(const Splats& splats, size_t i, const glm::dvec3& d) {
     return sum;
 }
 
-glm::dvec3 shown_by_leaf(const FrameVolume& volume, size_t i, const glm::dvec3& d) {
+glm::dvec3 shown_by_leaf(const slice::Slice& volume, size_t i, const glm::dvec3& d) {
     const std::vector<double> basis = reference::sh_basis(volume.degree, d);
     glm::dvec3 shown;
     for (int c = 0; c < 3; ++c) {
@@ -83,7 +83,7 @@ stage::Camera some_camera() {
 
 TEST(Splats, HaveTheColoursOfLeaves) {
     for (const uint32_t degree : {0u, 1u, 2u, 3u}) {
-        const FrameVolume volume = some_volume(degree);
+        const slice::Slice volume = some_volume(degree);
         const Splats splats = interchange::splats_of(volume, {0.4, 0.7});
         ASSERT_EQ(splats.splats.size(), volume.leaves.size());
         Random random(3);
@@ -107,7 +107,7 @@ TEST(Splats, HaveTheColoursOfLeaves) {
 
 // A splat that is turned shows from the turned direction what it showed before.
 TEST(Splats, AreTurnedWithTheirColours) {
-    const FrameVolume volume = some_volume(3);
+    const slice::Slice volume = some_volume(3);
     const glm::dquat turned = glm::normalize(glm::dquat(0.3, -0.5, 0.7, 0.2));
     const Splats here = interchange::splats_of(volume, {}), there = interchange::splats_of(volume, {}, turned);
     Random random(5);
@@ -122,7 +122,7 @@ TEST(Splats, AreTurnedWithTheirColours) {
 
 // The file as an independent reader sees it, drawn by the definition.
 TEST(Splats, LookAsTheirFileDoesByTheDefinition) {
-    const FrameVolume volume = some_volume(2);
+    const slice::Slice volume = some_volume(2);
     const interchange::SplatShape shape{0.45, 0.8};
     const TemporaryFolder folder;
     interchange::write_splat_ply(folder.path / "x.ply",
@@ -148,7 +148,7 @@ TEST(Splats, LookAsTheirFileDoesByTheDefinition) {
 
 // Of an opaque block of 4 × 4 × 4 leaves, the inner 2 × 2 × 2 are hidden from everywhere.
 TEST(Splats, SayWhichLeavesAreShown) {
-    FrameVolume volume;
+    slice::Slice volume;
     volume.depth = 4;
     for (uint32_t z = 6; z < 10; ++z)
         for (uint32_t y = 6; y < 10; ++y)
@@ -156,11 +156,11 @@ TEST(Splats, SayWhichLeavesAreShown) {
                 volume.leaves.push_back({voctree::first_cell({x, y, z, 4}, 4), 4, 400, {}, 1});
     interchange::measure_shown(volume);
     double outer = 0, inner = 0;
-    for (const interchange::VolumeLeaf& leaf : volume.leaves) {
+    for (const slice::Leaf& leaf : volume.leaves) {
         const voctree::LeafPosition at = voctree::position_of(leaf.cell, 4);
         const auto inside = [](uint32_t c) { return c == 7 || c == 8; };
         const bool hidden = inside(at.x) && inside(at.y) && inside(at.z);
-        (hidden ? inner : outer) += double{leaf.shown} - 0.1;  // of what frame_volume() said a tenth is left
+        (hidden ? inner : outer) += double{leaf.shown} - 0.1;  // of what the slice said a tenth is left
     }
     EXPECT_LT(inner / 8, outer / 56 / 3) << "Gaussians do not close the gaps between them";
     // What is seen of a cube of a quarter from 26 directions: the mean of its faces' area times the cosine, if not more
@@ -170,13 +170,13 @@ TEST(Splats, SayWhichLeavesAreShown) {
 
 // Leaves that no image shows are not typical, and one that makes up all of an image is typical of it.
 TEST(Splats, TypicalLeavesAreThoseThatImagesShow) {
-    FrameVolume volume = some_volume(1);
+    slice::Slice volume = some_volume(1);
     ASSERT_GT(volume.leaves.size(), 20u);
-    for (interchange::VolumeLeaf& leaf : volume.leaves) leaf.shown = 0;
+    for (slice::Leaf& leaf : volume.leaves) leaf.shown = 0;
     volume.leaves[3].shown = 1;
     volume.leaves[10].shown = 3;
     std::vector<uint64_t> cells;
-    for (const interchange::VolumeLeaf& leaf : interchange::typical_leaves(volume, 4)) cells.push_back(leaf.cell);
+    for (const slice::Leaf& leaf : interchange::typical_leaves(volume, 4)) cells.push_back(leaf.cell);
     const uint64_t first = volume.leaves[3].cell, second = volume.leaves[10].cell;
     EXPECT_EQ(cells, (std::vector<uint64_t>{first, second, second, second}));
     volume.leaves.resize(1);
@@ -185,10 +185,10 @@ TEST(Splats, TypicalLeavesAreThoseThatImagesShow) {
 }
 
 TEST(Splats, CloseUpsShowALeafInTheCentre) {
-    const FrameVolume volume = some_volume(1);
+    const slice::Slice volume = some_volume(1);
     const stage::Camera whole = some_camera();
     for (const size_t i : {size_t{0}, volume.leaves.size() / 2, volume.leaves.size() - 1}) {
-        const interchange::VolumeLeaf& leaf = volume.leaves[i];
+        const slice::Leaf& leaf = volume.leaves[i];
         const stage::Camera close = interchange::close_up(whole, volume, leaf);
         EXPECT_EQ(close.world_from_camera, whole.world_from_camera);
         const glm::dvec3 at(glm::inverse(close.world_from_camera) * glm::dvec4(volume.centre_m(leaf), 1));
@@ -201,7 +201,7 @@ TEST(Splats, CloseUpsShowALeafInTheCentre) {
 }
 
 // Images of splats of a shape from two sides.
-std::vector<interchange::FitView> views_of(const FrameVolume& volume, const interchange::SplatShape& shape) {
+std::vector<interchange::FitView> views_of(const slice::Slice& volume, const interchange::SplatShape& shape) {
     stage::Camera camera = some_camera();
     std::vector<interchange::FitView> views;
     for (const glm::dvec3 eye : {glm::dvec3(1.5, 1.2, 2.5), glm::dvec3(-2, 0.5, 1.5)}) {
@@ -215,7 +215,7 @@ std::vector<interchange::FitView> views_of(const FrameVolume& volume, const inte
 // Wide, faint splats look much like narrow, dense ones: on the way from one to the other, neither width nor density
 // alone improves the images.
 TEST(Splats, AreFittedWhereWidthAndDensityChangeTogether) {
-    const FrameVolume volume = some_volume(1);
+    const slice::Slice volume = some_volume(1);
     for (const interchange::SplatShape shape : {interchange::SplatShape{0.6, 0.2}, {0.5, 0.25}}) {
         const interchange::SplatFit fit = interchange::fit_shape(volume, views_of(volume, shape), [] {});
         EXPECT_NEAR(fit.shape.width, shape.width, 0.03);
@@ -226,7 +226,7 @@ TEST(Splats, AreFittedWhereWidthAndDensityChangeTogether) {
 
 // Images of splats of another shape lead back to that shape.
 TEST(Splats, AreFittedToImages) {
-    const FrameVolume volume = some_volume(1);
+    const slice::Slice volume = some_volume(1);
     const interchange::SplatShape shape{0.42, 1.1};
     const std::vector<interchange::FitView> views = views_of(volume, shape);
     size_t times = 0;
@@ -242,7 +242,7 @@ TEST(Splats, AreFittedToImages) {
 // widen to close their gaps; those that were fitted to a close-up hide what is behind them from near as well.
 TEST(Splats, FittedToCloseUpsHideWhatIsBehindThem) {
     constexpr uint32_t kDepth = 7, kBegin = 32, kEnd = 96;
-    FrameVolume volume;
+    slice::Slice volume;
     volume.depth = kDepth;
     for (const uint32_t z : {40u, 41u, 64u, 65u})
         for (uint32_t y = kBegin; y < kEnd; ++y)

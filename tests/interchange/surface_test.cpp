@@ -12,14 +12,13 @@
 namespace neuvv::test {
 namespace {
 
-using interchange::FrameVolume;
 using interchange::LeafGrid;
 using interchange::TriangleMesh;
 
 constexpr float kOpaque = 1e5f;  // 1/m
 const glm::vec3 kCentreOfBall(0.5f);
 
-TriangleMesh surface_of(const FrameVolume& volume, double opacity = 0.5) {
+TriangleMesh surface_of(const slice::Slice& volume, double opacity = 0.5) {
     return interchange::surface_of(interchange::solid_of(LeafGrid(volume), opacity));
 }
 
@@ -32,7 +31,7 @@ double ball_m3(double radius) {
 }
 
 TEST(Surface, OfABallIsABall) {
-    const FrameVolume volume = volume_of(5, kOpaque, ball(0.3f));
+    const slice::Slice volume = volume_of(5, kOpaque, ball(0.3f));
     const TriangleMesh mesh = surface_of(volume);
     EXPECT_EQ(expect_closed(mesh), 2);
     // 0.01 of a radius of ten cells is a tenth of a cell.
@@ -62,7 +61,7 @@ TEST(Surface, OfACubeIsACube) {
 
 // Coarse leaves on the left, fine ones on the right, of one block.
 TEST(Surface, HasNoCrackBetweenLeavesOfTwoSizes) {
-    FrameVolume volume;
+    slice::Slice volume;
     volume.depth = 5;
     const auto block = [](const glm::vec3& p) {
         return glm::all(glm::greaterThan(p, glm::vec3(0.25f))) && glm::all(glm::lessThan(p, glm::vec3(0.75f)));
@@ -76,7 +75,7 @@ TEST(Surface, HasNoCrackBetweenLeavesOfTwoSizes) {
 
 TEST(Surface, IsWhereARayGetsTheOpacity) {
     constexpr float kCell = 1.0f / 64;
-    const FrameVolume volume = volume_of(6, std::log(2.0f) / (8 * kCell), ball(0.4f));
+    const slice::Slice volume = volume_of(6, std::log(2.0f) / (8 * kCell), ball(0.4f));
     const auto radius = [&](double opacity) {
         return std::cbrt(enclosed_m3(surface_of(volume, opacity)) / ball_m3(1));
     };
@@ -89,7 +88,7 @@ TEST(Surface, IsWhereARayGetsTheOpacity) {
 
 // Through a hole in a hollow ball one sees its inside along a single line; loose leaves float there.
 TEST(Surface, LeavesOutWhatIsHidden) {
-    const FrameVolume volume = volume_of(5, kOpaque, [](const glm::vec3& p) {
+    const slice::Slice volume = volume_of(5, kOpaque, [](const glm::vec3& p) {
         const float radius = glm::distance(p, kCentreOfBall);
         const bool hole = p.x > 0.5f && std::abs(p.y - 0.484375f) < 0.01f && std::abs(p.z - 0.484375f) < 0.01f;
         return radius < 0.1f || (radius > 0.32f && radius < 0.4f && !hole);
@@ -102,7 +101,7 @@ TEST(Surface, LeavesOutWhatIsHidden) {
 
 // Three thin holes that cross in the centre, which is seen through all of them.
 TEST(Surface, HasNoCavities) {
-    const FrameVolume volume = volume_of(5, kOpaque, [](const glm::vec3& p) {
+    const slice::Slice volume = volume_of(5, kOpaque, [](const glm::vec3& p) {
         const glm::bvec3 in_line = glm::lessThan(glm::abs(p - 0.484375f), glm::vec3(0.01f));
         const int lines = (in_line.x ? 1 : 0) + (in_line.y ? 1 : 0) + (in_line.z ? 1 : 0);
         return lines < 2 && ball(0.4f)(p);
@@ -117,7 +116,7 @@ TEST(Surface, IsAManifoldWhateverCellsThereAre) {
         const double share = 0.02 + 0.03 * i;
         expect_closed(surface_of(volume_of(3, kOpaque, [&](const glm::vec3&) { return random.uniform() < share; })));
     }
-    const FrameVolume corners =
+    const slice::Slice corners =
         volume_of(2, kOpaque, [](const glm::vec3& p) { return p == glm::vec3(0.375f) || p == glm::vec3(0.625f); });
     EXPECT_EQ(expect_closed(surface_of(corners)), 2) << "they are joined";
 }
@@ -128,7 +127,7 @@ TEST(Surface, OfNothingIsNothing) {
 }
 
 TEST(LeafGrid, MergesLeavesWhereItWouldBeTooLarge) {
-    const FrameVolume volume = volume_of(5, 100, ball(0.3f));
+    const slice::Slice volume = volume_of(5, 100, ball(0.3f));
     const LeafGrid grid(volume, 5000);
     EXPECT_EQ(grid.volume().depth, 4u);
     EXPECT_FLOAT_EQ(grid.cell_m().x, 1.0f / 16);
@@ -160,7 +159,7 @@ TEST(Simplify, KeepsShapeAndTopology) {
 }
 
 TEST(TriangleMesh, DropsSmallParts) {
-    const FrameVolume volume = volume_of(
+    const slice::Slice volume = volume_of(
         5, kOpaque, [](const glm::vec3& p) { return ball(0.25f)(p) || glm::distance(p, glm::vec3(0.9f)) < 0.03f; });
     const TriangleMesh both = surface_of(volume);
     EXPECT_EQ(expect_closed(both), 4);

@@ -14,13 +14,12 @@
 #include "support/input_error.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::test {
 namespace {
 
-using interchange::FrameVolume;
 using interchange::VdbVolume;
-using interchange::VolumeLeaf;
 
 voctree::VOctree some_tree() {
     voctree::VOctree tree = random_tree({.seed = 3, .node_levels = 2, .leaves = 300, .bases = 3, .hh_degree = 2});
@@ -60,8 +59,8 @@ glm::dvec3 point_in(const voctree::VOctree& tree, Random& random) {
     return glm::dvec3(tree.box_min) + share * glm::dvec3(tree.box_size);
 }
 
-const VolumeLeaf* leaf_at(const FrameVolume& volume, const glm::dvec3& world) {
-    for (const VolumeLeaf& leaf : volume.leaves) {
+const slice::Leaf* leaf_at(const slice::Slice& volume, const glm::dvec3& world) {
+    for (const slice::Leaf& leaf : volume.leaves) {
         const glm::dvec3 offset = glm::abs(world - glm::dvec3(volume.centre_m(leaf)));
         if (glm::all(glm::lessThan(offset, 0.5 * glm::dvec3(volume.edges_m(leaf))))) return &leaf;
     }
@@ -69,7 +68,7 @@ const VolumeLeaf* leaf_at(const FrameVolume& volume, const glm::dvec3& world) {
 }
 
 // The mean over a fine grid of directions.
-glm::dvec3 mean_colour(const FrameVolume& volume, const VolumeLeaf& leaf) {
+glm::dvec3 mean_colour(const slice::Slice& volume, const slice::Leaf& leaf) {
     glm::dvec3 sum(0);
     double weights = 0;
     for (int i = 0; i < 24; ++i)
@@ -90,7 +89,7 @@ glm::dvec3 mean_colour(const FrameVolume& volume, const VolumeLeaf& leaf) {
 
 TEST(VdbWriter, HasTheLeavesOfTheFrame) {
     const voctree::VOctree tree = some_tree();
-    const FrameVolume volume = interchange::frame_volume(tree, 2);
+    const slice::Slice volume = voctree::slice_of(tree, 2);
     const TemporaryFolder folder;
     interchange::write_vdb(folder.path / "x.vdb", volume);
     const OpenFile file(folder.path / "x.vdb");
@@ -103,7 +102,7 @@ TEST(VdbWriter, HasTheLeavesOfTheFrame) {
     EXPECT_NEAR(density->voxelSize()[0], 2.0 / 16, 1e-9);
     uint64_t voxels = 0;
     bool has_large = false;
-    for (const VolumeLeaf& leaf : volume.leaves) {
+    for (const slice::Leaf& leaf : volume.leaves) {
         voxels += uint64_t{1} << 3 * (volume.depth - leaf.depth);
         has_large |= leaf.depth == 1;
     }
@@ -114,7 +113,7 @@ TEST(VdbWriter, HasTheLeavesOfTheFrame) {
     int inside = 0;
     for (int i = 0; i < 2000; ++i) {
         const glm::dvec3 world = point_in(tree, random);
-        const VolumeLeaf* leaf = leaf_at(volume, world);
+        const slice::Leaf* leaf = leaf_at(volume, world);
         EXPECT_NEAR(double{value_at(*density, world)}, leaf ? double{leaf->sigma} : 0.0, leaf ? 1e-3 * leaf->sigma : 0);
         if (!leaf) continue;
         ++inside;
@@ -128,7 +127,7 @@ TEST(VdbWriter, HasTheLeavesOfTheFrame) {
 
 TEST(VdbWriter, MayBeTurnedAndMoved) {
     const voctree::VOctree tree = some_tree();
-    const FrameVolume volume = interchange::frame_volume(tree, 2);
+    const slice::Slice volume = voctree::slice_of(tree, 2);
     const TemporaryFolder folder;
     interchange::VdbOptions options;
     options.rotation = glm::angleAxis(0.7, glm::normalize(glm::dvec3(1, 2, 3)));
@@ -141,7 +140,7 @@ TEST(VdbWriter, MayBeTurnedAndMoved) {
     int inside = 0;
     for (int i = 0; i < 500; ++i) {
         const glm::dvec3 at = point_in(tree, random);
-        const VolumeLeaf* leaf = leaf_at(volume, at);
+        const slice::Leaf* leaf = leaf_at(volume, at);
         const double sigma = leaf ? double{leaf->sigma} : 0;
         EXPECT_NEAR(double{value_at(*density, options.rotation * at + options.origin)}, sigma, 1e-3 * sigma);
         inside += leaf != nullptr;
@@ -156,7 +155,7 @@ TEST(VdbWriter, MayBeTurnedAndMoved) {
 TEST(VdbWriter, DimsRaysAsTheClipDoes) {
     const voctree::VOctree tree = some_tree();
     const TemporaryFolder folder;
-    interchange::write_vdb(folder.path / "x.vdb", interchange::frame_volume(tree, 1));
+    interchange::write_vdb(folder.path / "x.vdb", voctree::slice_of(tree, 1));
     const auto density = OpenFile(folder.path / "x.vdb").grid<openvdb::FloatGrid>("density");
     ASSERT_TRUE(density);
     const auto slice = reference::slice_tree(tree, 1);
@@ -191,13 +190,13 @@ TEST(VdbWriter, DimsRaysAsTheClipDoes) {
 }
 
 // Opaque leaves in a ball.
-FrameVolume ball() {
-    FrameVolume volume;
+slice::Slice ball() {
+    slice::Slice volume;
     volume.box_size = glm::vec3(2);
     volume.box_min = glm::vec3(-1);
     volume.depth = 6;
     for (uint64_t cell = 0; cell < uint64_t{1} << 18; ++cell) {
-        VolumeLeaf leaf{cell, 6, 500, {}, 1};
+        slice::Leaf leaf{cell, 6, 500, {}, 1};
         if (glm::length(volume.centre_m(leaf)) < 0.6f) volume.leaves.push_back(leaf);
     }
     return volume;
@@ -219,7 +218,7 @@ TEST(VdbWriter, HasALevelSetWhereItIsAskedFor) {
     EXPECT_GT(near, 10000u);
     EXPECT_LT(value_at(*surface, {0, 0, 0}), 0);
     EXPECT_GT(value_at(*surface, {0.9, 0, 0}), 0);
-    FrameVolume stretched = ball();
+    slice::Slice stretched = ball();
     stretched.box_size.x *= 1.5f;
     EXPECT_TRUE(interchange::has_cubic_cells(ball()));
     EXPECT_FALSE(interchange::has_cubic_cells(stretched));
@@ -229,8 +228,8 @@ TEST(VdbWriter, HasALevelSetWhereItIsAskedFor) {
 
 // Interpolation at the surface must not mix in black.
 TEST(VdbWriter, GoesOnWithColoursAroundTheDensity) {
-    FrameVolume volume = ball();
-    for (VolumeLeaf& leaf : volume.leaves) leaf.colours[0][0] = 20;
+    slice::Slice volume = ball();
+    for (slice::Leaf& leaf : volume.leaves) leaf.colours[0][0] = 20;
     const TemporaryFolder folder;
     interchange::write_vdb(folder.path / "x.vdb", volume);
     const OpenFile file(folder.path / "x.vdb");
@@ -248,7 +247,7 @@ TEST(VdbWriter, GoesOnWithColoursAroundTheDensity) {
 // A clip's frame becomes a file, which becomes a clip.
 TEST(VdbVolume, ComesBackAsItWas) {
     const voctree::VOctree tree = some_tree();
-    const FrameVolume volume = interchange::frame_volume(tree, 2);
+    const slice::Slice volume = voctree::slice_of(tree, 2);
     const TemporaryFolder folder;
     interchange::write_vdb(folder.path / "x.vdb", volume);
     // Lengths are doubled, and (x, y, z) becomes (x, z, −y).
@@ -257,12 +256,12 @@ TEST(VdbVolume, ComesBackAsItWas) {
         const VdbVolume read = read_volume(folder.path / "x.vdb", world_from_file);
         const double scale = glm::length(glm::dvec3(world_from_file[0]));
         EXPECT_EQ(interchange::doublings_for(read, 16), 0u);
-        const FrameVolume back = interchange::frame_volume(interchange::tree_of(read, 0, 25), 0);
+        const slice::Slice back = voctree::slice_of(interchange::tree_of(read, 0, 25), 0);
         Random random(5);
         for (int i = 0; i < 2000; ++i) {
             const glm::dvec3 point = point_in(tree, random);
-            const VolumeLeaf* truth = leaf_at(volume, point);
-            const VolumeLeaf* found = leaf_at(back, glm::dvec3(world_from_file * glm::dvec4(point, 1)));
+            const slice::Leaf* truth = leaf_at(volume, point);
+            const slice::Leaf* found = leaf_at(back, glm::dvec3(world_from_file * glm::dvec4(point, 1)));
             if (!truth || volume.optical_depth(*truth) < 0.02f) continue;  // split into leaves that are too faint
             ASSERT_TRUE(found);
             EXPECT_NEAR(found->sigma * scale, double{truth->sigma}, 1e-3 * truth->sigma);
@@ -284,12 +283,12 @@ TEST(VdbVolume, HasLargerCellsWhereTheyAreAskedFor) {
     empty.density.blocks.clear();
     empty.density.tiles.clear();
     EXPECT_EQ(interchange::doublings_for(empty, 18), std::nullopt);
-    const FrameVolume small = interchange::frame_volume(interchange::tree_of(volume, 0, 25), 0);
-    const FrameVolume large = interchange::frame_volume(interchange::tree_of(volume, 1, 25), 0);
+    const slice::Slice small = voctree::slice_of(interchange::tree_of(volume, 0, 25), 0);
+    const slice::Slice large = voctree::slice_of(interchange::tree_of(volume, 1, 25), 0);
     EXPECT_EQ(small.leaves.size(), ball().leaves.size());
     EXPECT_LT(large.leaves.size(), small.leaves.size() / 6);
-    for (const VolumeLeaf& leaf : large.leaves) EXPECT_NEAR(large.edge_m(leaf), 2 / 32.0, 1e-6);
-    const VolumeLeaf* centre = leaf_at(large, {0.01, 0.01, 0.01});
+    for (const slice::Leaf& leaf : large.leaves) EXPECT_NEAR(large.edge_m(leaf), 2 / 32.0, 1e-6);
+    const slice::Leaf* centre = leaf_at(large, {0.01, 0.01, 0.01});
     ASSERT_TRUE(centre);
     EXPECT_NEAR(centre->sigma, 500, 5);
 }

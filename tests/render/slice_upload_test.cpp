@@ -11,7 +11,7 @@
 #include "support/gpu_test.h"
 #include "support/host_tree.h"
 #include "support/look_at.h"
-#include "voctree/stream_slice.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::test {
 namespace {
@@ -21,8 +21,8 @@ using SliceUploadTest = GpuTest;
 constexpr glm::vec3 kBoxMin{-0.4f, 0.1f, -0.3f}, kBoxSize{0.9f, 1.1f, 0.8f};
 
 // Leaves of mixed depths of which some have no opacity.
-stream::Slice slice_with_holes(uint64_t seed, uint32_t depth, uint32_t leaves, uint32_t degree) {
-    stream::Slice slice = random_slice(seed, depth, leaves, degree);
+stream::QuantisedSlice slice_with_holes(uint64_t seed, uint32_t depth, uint32_t leaves, uint32_t degree) {
+    stream::QuantisedSlice slice = random_slice(seed, depth, leaves, degree);
     for (size_t i = 0; i < slice.leaves.size(); i += 7) slice.planes[stream::kOpacityPlane][i] = 0;
     return slice;
 }
@@ -30,8 +30,8 @@ stream::Slice slice_with_holes(uint64_t seed, uint32_t depth, uint32_t leaves, u
 TEST_F(SliceUploadTest, HoldsEveryLeafWithOpacityWhereAWalkFindsIt) {
     constexpr uint32_t kDepths[] = {2, 4, 8, 10};
     for (uint32_t degree = 0; degree <= stream::kMaxDegree; ++degree) {
-        const stream::Slice slice = slice_with_holes(degree + 5, kDepths[degree], 700, degree);
-        const voctree::VOctree tree = voctree::tree_of(slice, kBoxMin, kBoxSize, 25);
+        const stream::QuantisedSlice slice = slice_with_holes(degree + 5, kDepths[degree], 700, degree);
+        const voctree::VOctree tree = voctree::tree_of(slice::values_of(slice, kBoxMin, kBoxSize), 25);
         const render::Field field = render::upload_slice(device(), slice, kBoxMin, kBoxSize);
         ASSERT_EQ(field.levels_above, 0u) << "else the check below would have to begin a level deeper";
         const HostTree host = download_tree(device(), field, *field.slice);
@@ -53,13 +53,13 @@ TEST_F(SliceUploadTest, HoldsEveryLeafWithOpacityWhereAWalkFindsIt) {
 // The shape of both fields is the same, where all leaves have opacity.
 TEST_F(SliceUploadTest, HasTheShapeOfTheTree) {
     for (const uint32_t odd : {0u, 1u}) {
-        stream::Slice slice{6, 1, {}, {}};
+        stream::QuantisedSlice slice{6, 1, {}, {}};
         slice.planes.resize(stream::planes_of(1));
         for (uint64_t cell = 0; cell < 300;
              ++cell)  // leaves of depth 5 or 6, so that the root is one level higher or not
             slice.leaves.push_back({cell * 16, 6 - odd});
         for (auto& plane : slice.planes) plane.assign(slice.leaves.size(), 500);
-        const voctree::VOctree tree = voctree::tree_of(slice, kBoxMin, kBoxSize, 25);
+        const voctree::VOctree tree = voctree::tree_of(slice::values_of(slice, kBoxMin, kBoxSize), 25);
         const render::Field straight = render::upload_slice(device(), slice, kBoxMin, kBoxSize),
                             by_tree = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
         EXPECT_EQ(straight.levels_above, odd);
@@ -78,8 +78,8 @@ TEST_F(SliceUploadTest, HasTheShapeOfTheTree) {
 }
 
 TEST_F(SliceUploadTest, DrawsAsItsTreeDoes) {
-    const stream::Slice slice = slice_with_holes(3, 8, 4000, 2);
-    const voctree::VOctree tree = voctree::tree_of(slice, kBoxMin, kBoxSize, 25);
+    const stream::QuantisedSlice slice = slice_with_holes(3, 8, 4000, 2);
+    const voctree::VOctree tree = voctree::tree_of(slice::values_of(slice, kBoxMin, kBoxSize), 25);
     const render::Field straight = render::upload_slice(device(), slice, kBoxMin, kBoxSize),
                         by_tree = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const glm::dvec3 middle = glm::dvec3(kBoxMin) + 0.5 * glm::dvec3(kBoxSize);
@@ -105,12 +105,12 @@ TEST_F(SliceUploadTest, DrawsAsItsTreeDoes) {
 }
 
 TEST_F(SliceUploadTest, MayBeEmpty) {
-    stream::Slice slice{4, 1, {}, {}};
+    stream::QuantisedSlice slice{4, 1, {}, {}};
     slice.planes.resize(stream::planes_of(1));
     for (const bool transparent : {false, true}) {
         if (transparent)
             slice = [] {
-                stream::Slice one = random_slice(1, 4, 20, 1);
+                stream::QuantisedSlice one = random_slice(1, 4, 20, 1);
                 std::ranges::fill(one.planes[stream::kOpacityPlane], int16_t{0});
                 return one;
             }();
@@ -126,7 +126,7 @@ TEST_F(SliceUploadTest, MayBeEmpty) {
 }
 
 TEST_F(SliceUploadTest, CannotBePainted) {
-    const stream::Slice slice = random_slice(2, 4, 50, 0);
+    const stream::QuantisedSlice slice = random_slice(2, 4, 50, 0);
     const render::Field field = render::upload_slice(device(), slice, kBoxMin, kBoxSize);
     const render::Paints paints(device(), field);
     render::SliceCache cache(device(), field, paints);

@@ -19,7 +19,7 @@
 #include "voctree/coarse.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/nvpaint.h"
-#include "voctree/stream_slice.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::test::stage_clips_test {
 namespace {
@@ -410,9 +410,10 @@ TEST_F(StageClipsTest, AStreamPlaysFrameByFrame) {
     steps.fill(30);
     for (const voctree::ClipSegment& one : index.segments) {
         const voctree::VOctree tree = voctree::read_segment(one);
-        const stream::Slice slices[2] = {voctree::slice_of(tree, 0), voctree::slice_of(tree, 1)};
+        const stream::QuantisedSlice slices[2] = {slice::quantised(voctree::slice_of(tree, 0)),
+                                                  slice::quantised(voctree::slice_of(tree, 1))};
         std::vector<stream::FrameSymbols> frames;
-        stream::Slice first, second;
+        stream::QuantisedSlice first, second;
         frames.push_back(stream::encode(slices[0], steps, {}, first));
         frames.push_back(stream::encode(slices[1], steps, stream::FrameBefore{slices[0], first}, second));
         stream::Group group;

@@ -13,7 +13,7 @@
 namespace neuvv::test::frame_codec_test {
 namespace {
 
-using stream::Slice;
+using stream::QuantisedSlice;
 
 stream::Steps steps(uint16_t step) {
     stream::Steps all;
@@ -24,14 +24,14 @@ stream::Steps steps(uint16_t step) {
 struct Encoded {
     stream::Tables tables;
     std::vector<stream::FrameBytes> bytes;
-    std::vector<Slice> decoded;  // by the encoder
+    std::vector<QuantisedSlice> decoded;  // by the encoder
 };
-Encoded encode(const std::vector<Slice>& slices, uint16_t step) {
+Encoded encode(const std::vector<QuantisedSlice>& slices, uint16_t step) {
     Encoded result;
     std::vector<stream::FrameSymbols> frames;
     stream::Counts counts = stream::no_counts();
     for (size_t i = 0; i < slices.size(); ++i) {
-        Slice decoded;
+        QuantisedSlice decoded;
         std::optional<stream::FrameBefore> before;
         if (i > 0) before.emplace(stream::FrameBefore{slices[i - 1], result.decoded.back()});
         frames.push_back(stream::encode(slices[i], steps(step), before, decoded));
@@ -43,13 +43,13 @@ Encoded encode(const std::vector<Slice>& slices, uint16_t step) {
     return result;
 }
 
-double error_of(const Slice& a, const Slice& b, uint32_t plane) {
+double error_of(const QuantisedSlice& a, const QuantisedSlice& b, uint32_t plane) {
     double sum = 0;
     for (size_t i = 0; i < a.leaves.size(); ++i) sum += std::abs(a.planes[plane][i] - b.planes[plane][i]);
     return sum / static_cast<double>(a.leaves.size());
 }
 
-void expect_same(const Slice& a, const Slice& b) {
+void expect_same(const QuantisedSlice& a, const QuantisedSlice& b) {
     EXPECT_EQ(a.leaves, b.leaves);
     EXPECT_EQ(a.planes, b.planes);
 }
@@ -57,12 +57,13 @@ void expect_same(const Slice& a, const Slice& b) {
 TEST(FrameCodec, DecodesWhatTheEncoderSays) {
     for (const uint32_t degree : {0u, 1u, 2u, 3u})
         for (const uint32_t depth : {2u, 6u, 8u}) {
-            const Slice slice = random_slice(7 * degree + depth, depth, 600, degree);
+            const QuantisedSlice slice = random_slice(7 * degree + depth, depth, 600, degree);
             double last = 0;
             for (const uint16_t step : {uint16_t{16}, uint16_t{60}, uint16_t{400}}) {
                 const Encoded frame = encode({slice}, step);
                 const stream::Format format{depth, degree, static_cast<uint32_t>(slice.leaves.size())};
-                const Slice decoded = stream::decode(frame.bytes[0], stream::kShFine, frame.tables, format, nullptr);
+                const QuantisedSlice decoded =
+                    stream::decode(frame.bytes[0], stream::kShFine, frame.tables, format, nullptr);
                 expect_same(decoded, frame.decoded[0]);
                 EXPECT_EQ(decoded.leaves, slice.leaves);
                 const double error = error_of(decoded, slice, 1);
@@ -75,14 +76,14 @@ TEST(FrameCodec, DecodesWhatTheEncoderSays) {
 
 // What a prefix shows is coarser, but it is the same place for place.
 TEST(FrameCodec, EveryPrefixOfPartsDraws) {
-    const Slice slice = random_slice(3, 8, 900, 1);
+    const QuantisedSlice slice = random_slice(3, 8, 900, 1);
     const Encoded frame = encode({slice}, 10);
     const stream::FrameBytes& bytes = frame.bytes[0];
     const stream::Format format{8, 1, 2000};
     double colour = 1e9, harmonics = 1e9;
     for (const stream::Part last :
          {stream::kShape, stream::kCoarse, stream::kShCoarse, stream::kFine, stream::kShFine}) {
-        const Slice decoded = stream::decode(bytes, last, frame.tables, format, nullptr);
+        const QuantisedSlice decoded = stream::decode(bytes, last, frame.tables, format, nullptr);
         EXPECT_EQ(decoded.leaves, slice.leaves);
         const double of_colour = error_of(decoded, slice, 1), of_harmonics = error_of(decoded, slice, 7);
         EXPECT_LE(of_colour, colour);
@@ -95,8 +96,8 @@ TEST(FrameCodec, EveryPrefixOfPartsDraws) {
 }
 
 TEST(FrameCodec, BlocksThatStayAreRepeated) {
-    const Slice first = random_slice(5, 6, 900, 1);
-    Slice moved = first;
+    const QuantisedSlice first = random_slice(5, 6, 900, 1);
+    QuantisedSlice moved = first;
     for (size_t i = 0; i < moved.leaves.size() / 10; ++i)
         for (auto& plane : moved.planes) plane[i] = static_cast<int16_t>(1000 - plane[i]);
     const Encoded frames = encode({first, first, moved}, 20);
@@ -109,7 +110,7 @@ TEST(FrameCodec, BlocksThatStayAreRepeated) {
     EXPECT_LT(size_of(2), size_of(0) / 3);
     EXPECT_GT(size_of(2), size_of(1));
     const stream::Format format{6, 1, 2000};
-    std::vector<Slice> decoded;
+    std::vector<QuantisedSlice> decoded;
     for (size_t i = 0; i < 3; ++i) {
         decoded.push_back(stream::decode(frames.bytes[i], stream::kShFine, frames.tables, format,
                                          i == 0 ? nullptr : &decoded.back()));
@@ -119,21 +120,21 @@ TEST(FrameCodec, BlocksThatStayAreRepeated) {
     // Where more should be repeated than is, it is a key frame.
     stream::Steps steps;
     steps.fill(20);
-    Slice any;
+    QuantisedSlice any;
     EXPECT_FALSE(stream::encode(moved, steps, stream::FrameBefore{first, decoded[1], 0.5}, any).is_key);
     EXPECT_TRUE(stream::encode(moved, steps, stream::FrameBefore{first, decoded[1], 0.95}, any).is_key);
     EXPECT_THROW(stream::decode(frames.bytes[1], stream::kShFine, frames.tables, format, nullptr), std::runtime_error);
 }
 
 TEST(FrameCodec, LeavesComeAndGo) {
-    const Slice empty = random_slice(1, 4, 0, 1);
-    Slice none = empty;
+    const QuantisedSlice empty = random_slice(1, 4, 0, 1);
+    QuantisedSlice none = empty;
     none.leaves.clear();
     for (auto& plane : none.planes) plane.clear();
-    const std::vector<Slice> slices = {none, random_slice(2, 4, 60, 1), random_slice(3, 4, 60, 1), none};
+    const std::vector<QuantisedSlice> slices = {none, random_slice(2, 4, 60, 1), random_slice(3, 4, 60, 1), none};
     const Encoded frames = encode(slices, 20);
     const stream::Format format{4, 1, 400};
-    Slice before;
+    QuantisedSlice before;
     for (size_t i = 0; i < slices.size(); ++i) {
         before = stream::decode(frames.bytes[i], stream::kShFine, frames.tables, format, i ? &before : nullptr);
         EXPECT_EQ(before.leaves, slices[i].leaves) << i;
@@ -155,7 +156,7 @@ struct OfGroup {
         }
         return neuvv_group_decode(decoder.get(), bytes.data(), bytes.size(), sizes.data(), parts);
     }
-    void expect_last(const Slice& slice) const {
+    void expect_last(const QuantisedSlice& slice) const {
         const NeuvvLeaf* leaves = neuvv_group_leaves(decoder.get());
         for (size_t i = 0; i < slice.leaves.size(); ++i) {
             EXPECT_EQ(leaves[i].cell, slice.leaves[i].cell);
@@ -173,8 +174,8 @@ struct OfGroup {
 };
 
 TEST(GroupDecoder, DecodesAsTheFunctionsOfCppDo) {
-    const Slice first = random_slice(5, 6, 600, 1);
-    Slice second = first;
+    const QuantisedSlice first = random_slice(5, 6, 600, 1);
+    QuantisedSlice second = first;
     for (size_t i = 0; i < second.leaves.size() / 4; ++i) second.planes[1][i] = static_cast<int16_t>(900 - i);
     const Encoded frames = encode({first, second}, 20);
     const stream::Format format{6, 1, 2000};
@@ -221,7 +222,7 @@ TEST(GroupDecoder, RefusesWhatCannotBe) {
 
 // The sanitizers see whether damage leads out of bounds.
 TEST(FrameCodec, DamagedBytesAreRefusedOrShowSomethingElse) {
-    const Slice first = random_slice(5, 6, 300, 1), second = random_slice(6, 6, 300, 1);
+    const QuantisedSlice first = random_slice(5, 6, 300, 1), second = random_slice(6, 6, 300, 1);
     const Encoded frames = encode({first, second}, 30);
     const stream::Format format{6, 1, 2000};
     Random random(11);
@@ -234,7 +235,7 @@ TEST(FrameCodec, DamagedBytesAreRefusedOrShowSomethingElse) {
             bytes[random.below(bytes.size())] = static_cast<uint8_t>(random.below(256));
         if (i % 7 == 0) bytes.resize(random.below(bytes.size()));
         try {
-            const Slice slice =
+            const QuantisedSlice slice =
                 stream::decode(damaged, stream::kShFine, frames.tables, format, i % 2 ? &frames.decoded[0] : nullptr);
             EXPECT_LE(slice.leaves.size(), 2000u);
             for (const auto& plane : slice.planes) ASSERT_EQ(plane.size(), slice.leaves.size());

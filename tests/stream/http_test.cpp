@@ -69,7 +69,7 @@ TEST_F(HttpTest, WhatWasPlayedComesFromTheDisk) {
 TEST_F(HttpTest, ADamagedHeadIsNotKept) {
     constexpr uint32_t kGroups = 2, kFrames = 800;
     stream::Writer writer(file, 25, kGroups * kFrames, kGroups);
-    stream::Slice first;
+    stream::QuantisedSlice first;
     stream::Steps steps;
     steps.fill(60);
     const stream::FrameSymbols frame = stream::encode(random_slice(1, 2, 20, 0), steps, {}, first);

@@ -15,19 +15,19 @@
 #include "support/temporary_folder.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/world_frame.h"
-#include "voctree/stream_slice.h"
 #include "voctree/temporal_basis.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::test::nvs_test {
 namespace {
 
-using stream::Slice;
+using stream::QuantisedSlice;
 
 struct NvsTest : testing::Test {
     TemporaryFolder folder;
     std::filesystem::path path = folder.path / "show.nvs";
     voctree::VOctree tree = random_tree({.leaves = 300, .frames = 7});
-    std::vector<Slice> decoded;  // by the encoder
+    std::vector<QuantisedSlice> decoded;  // by the encoder
 
     void SetUp() override { write(path); }
     // Groups of three frames.
@@ -39,11 +39,11 @@ struct NvsTest : testing::Test {
         for (uint32_t first = 0; first < 7; first += 3) {
             std::vector<stream::FrameSymbols> frames;
             for (uint32_t i = first; i < std::min(first + 3, 7u); ++i) {
-                Slice one;
-                const Slice last = voctree::slice_of(tree, i > first ? i - 1 : i);
+                QuantisedSlice one;
+                const QuantisedSlice last = slice::quantised(voctree::slice_of(tree, i > first ? i - 1 : i));
                 std::optional<stream::FrameBefore> before;
                 if (i > first) before.emplace(stream::FrameBefore{last, decoded.back()});
-                frames.push_back(stream::encode(voctree::slice_of(tree, i), steps, before, one));
+                frames.push_back(stream::encode(slice::quantised(voctree::slice_of(tree, i)), steps, before, one));
                 decoded.push_back(std::move(one));
             }
             stream::Group group;
@@ -107,8 +107,8 @@ TEST_F(NvsTest, RemembersWhereItIsInItsCapture) {
 }
 
 // Frames of which half stays: each needs the one before.
-Slice half_changed(const Slice& slice, uint32_t frame) {
-    Slice changed = slice;
+QuantisedSlice half_changed(const QuantisedSlice& slice, uint32_t frame) {
+    QuantisedSlice changed = slice;
     for (size_t i = frame % 2 ? 0 : slice.leaves.size() / 2; i < slice.leaves.size() / (frame % 2 ? 2 : 1); ++i)
         for (auto& plane : changed.planes) plane[i] = static_cast<int16_t>((plane[i] + 97 * frame) % 900);
     return changed;
@@ -152,13 +152,13 @@ TEST_F(NvsTest, ThreadsReadFramesThatNeedEachOther) {
     stream::Steps steps;
     steps.fill(8);
     std::vector<stream::FrameSymbols> frames;
-    std::vector<Slice> shown;
-    Slice last;
+    std::vector<QuantisedSlice> shown;
+    QuantisedSlice last;
     for (uint32_t i = 0; i < kFrames; ++i) {
-        const Slice slice = i == 0 ? random_slice(1, 6, 900, 1) : half_changed(last, i);
+        const QuantisedSlice slice = i == 0 ? random_slice(1, 6, 900, 1) : half_changed(last, i);
         std::optional<stream::FrameBefore> before;
         if (i > 0) before.emplace(stream::FrameBefore{last, shown.back()});
-        Slice one;
+        QuantisedSlice one;
         frames.push_back(stream::encode(slice, steps, before, one));
         shown.push_back(std::move(one));
         last = slice;
@@ -258,8 +258,8 @@ TEST(SliceOfTree, ShowsTheFrame) {
     for (const uint32_t degree : {0u, 1u, 2u, 3u}) {
         const voctree::VOctree tree = random_tree({.seed = degree + 1, .leaves = 200, .hh_degree = degree});
         const std::vector<reference::LeafSlice> truth = reference::slice_tree(tree, 3);
-        const Slice slice = voctree::slice_of(tree, 3);
-        const voctree::VOctree still = voctree::tree_of(slice, tree.box_min, tree.box_size, tree.fps);
+        const QuantisedSlice slice = slice::quantised(voctree::slice_of(tree, 3));
+        const voctree::VOctree still = voctree::tree_of(slice::values_of(slice, tree.box_min, tree.box_size), tree.fps);
         ASSERT_EQ(voctree::defect_of(still), "");
         const std::vector<reference::LeafSlice> shown = reference::slice_tree(still, 0);
         size_t compared = 0;

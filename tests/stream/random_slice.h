@@ -9,9 +9,9 @@
 
 namespace neuvv::test {
 
-inline stream::Slice random_slice(uint64_t seed, uint32_t depth, uint32_t leaves, uint32_t degree) {
+inline stream::QuantisedSlice random_slice(uint64_t seed, uint32_t depth, uint32_t leaves, uint32_t degree) {
     Random random(seed);
-    stream::Slice slice{depth, degree, {}, {}};
+    stream::QuantisedSlice slice{depth, degree, {}, {}};
     const std::vector<voctree::LeafPosition> positions = random_positions(random, depth / 2, leaves);
     for (const voctree::LeafPosition& position : positions)
         slice.leaves.push_back({voctree::first_cell(position, depth), position.depth});

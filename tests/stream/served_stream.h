@@ -22,7 +22,7 @@ namespace neuvv::test {
 struct ServedStream {
     TemporaryFolder folder;
     std::filesystem::path file = folder.path / "show.nvs", log = folder.path / "server.log";
-    std::vector<stream::Slice> decoded;  // the frames, by the encoder
+    std::vector<stream::QuantisedSlice> decoded;  // the frames, by the encoder
     std::unique_ptr<ChildProcess> server;
     int port = 0;
 

@@ -24,7 +24,7 @@ Coordinates coordinates_of(uint64_t code) {
 
 TEST(StreamOctree, HasTheLeavesInOrder) {
     for (const uint32_t depth : {2u, 4u, 6u, 8u}) {
-        const stream::Slice slice = random_slice(depth, depth, 300, 0);
+        const stream::QuantisedSlice slice = random_slice(depth, depth, 300, 0);
         const stream::Octree tree = stream::octree_of(slice.leaves, depth);
         EXPECT_EQ(tree.leaf_count, slice.leaves.size());
         EXPECT_EQ(stream::leaves_of(tree, depth), slice.leaves);
@@ -34,7 +34,7 @@ TEST(StreamOctree, HasTheLeavesInOrder) {
 
 TEST(StreamOctree, KnowsFaceNeighbours) {
     const uint32_t depth = 6;
-    const stream::Slice slice = random_slice(9, depth, 400, 0);
+    const stream::QuantisedSlice slice = random_slice(9, depth, 400, 0);
     const stream::Octree tree = stream::octree_of(slice.leaves, depth);
     stream::Surroundings beside = stream::surroundings_of_root();
     size_t found = 0;
@@ -79,7 +79,7 @@ size_t count_pairs(const stream::Octree& tree, const stream::Pairs& pairs) {
     return count;
 }
 
-std::vector<double> areas_of(const stream::Slice& slice) {
+std::vector<double> areas_of(const stream::QuantisedSlice& slice) {
     std::vector<double> areas;
     for (const stream::Leaf& leaf : slice.leaves) areas.push_back(std::exp2(2 * (slice.depth - leaf.depth)));
     return areas;
@@ -87,7 +87,7 @@ std::vector<double> areas_of(const stream::Slice& slice) {
 
 // An orthonormal transform: the weighted squares of what values have beyond their mean are those of the coefficients.
 TEST(StreamTransform, KeepsSquares) {
-    const stream::Slice slice = random_slice(2, 6, 500, 0);
+    const stream::QuantisedSlice slice = random_slice(2, 6, 500, 0);
     const stream::Octree tree = stream::octree_of(slice.leaves, slice.depth);
     std::vector<double> weights = areas_of(slice);
     std::vector<int16_t> factors;
@@ -113,7 +113,7 @@ TEST(StreamTransform, KeepsSquares) {
 }
 
 TEST(StreamTransform, ComesBackWithinTheSteps) {
-    const stream::Slice slice = random_slice(4, 8, 700, 3);
+    const stream::QuantisedSlice slice = random_slice(4, 8, 700, 3);
     const stream::Octree tree = stream::octree_of(slice.leaves, slice.depth);
     const std::vector<double> weights = areas_of(slice);
     const stream::Pairs pairs(tree);

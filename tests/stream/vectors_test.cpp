@@ -15,7 +15,7 @@
 namespace neuvv::test::vectors_test {
 namespace {
 
-using stream::Slice;
+using stream::QuantisedSlice;
 
 const std::filesystem::path kFolder = NEUVV_SOURCE_DIR "/tests/stream/vectors";
 
@@ -28,8 +28,8 @@ struct Vector {
 constexpr Vector kVectors[] = {{"small", 2, 0, 20, 60}, {"usual", 6, 1, 250, 90}, {"fine", 8, 3, 60, 17}};
 
 // Opacities up to 0 and 1 and beyond what is told apart, colours beyond what they are clamped to.
-Slice extreme_slice(uint64_t seed, const Vector& vector) {
-    Slice slice = random_slice(seed, vector.depth, vector.leaves, vector.degree);
+QuantisedSlice extreme_slice(uint64_t seed, const Vector& vector) {
+    QuantisedSlice slice = random_slice(seed, vector.depth, vector.leaves, vector.degree);
     for (size_t plane = 0; plane < slice.planes.size(); ++plane)
         for (int16_t& value : slice.planes[plane])
             value = static_cast<int16_t>(plane == 0 ? std::clamp(3 * value - 1100, 1, stream::kUnit) : 9 * value);
@@ -38,20 +38,21 @@ Slice extreme_slice(uint64_t seed, const Vector& vector) {
 
 // A key frame, one that repeats most of it, a key frame of its own group, and one without leaves.
 void write_vector(const Vector& vector) {
-    const Slice first = extreme_slice(vector.depth, vector);
-    Slice second = first;
+    const QuantisedSlice first = extreme_slice(vector.depth, vector);
+    QuantisedSlice second = first;
     for (size_t i = 0; i < second.leaves.size() / 4; ++i)
         for (auto& plane : second.planes) plane[i] = static_cast<int16_t>(1024 - plane[i]);
-    Slice none = first;
+    QuantisedSlice none = first;
     none.leaves.clear();
     for (auto& plane : none.planes) plane.clear();
-    const std::vector<std::vector<Slice>> groups = {{first, second}, {extreme_slice(vector.depth + 1, vector), none}};
+    const std::vector<std::vector<QuantisedSlice>> groups = {{first, second},
+                                                             {extreme_slice(vector.depth + 1, vector), none}};
     stream::Steps steps;
     for (size_t i = 0; i < steps.size(); ++i) steps[i] = static_cast<uint16_t>(vector.step + 3 * i);
     stream::Writer writer(kFolder / fmt::format("{}.nvs", vector.name), 25, 4, 2);
-    for (const std::vector<Slice>& slices : groups) {
+    for (const std::vector<QuantisedSlice>& slices : groups) {
         std::vector<stream::FrameSymbols> frames;
-        Slice decoded, before;
+        QuantisedSlice decoded, before;
         for (size_t i = 0; i < slices.size(); ++i) {
             before = std::move(decoded);
             std::optional<stream::FrameBefore> frame_before;
@@ -65,7 +66,7 @@ void write_vector(const Vector& vector) {
     writer.finish();
 }
 
-nlohmann::ordered_json json_of(const Slice& slice) {
+nlohmann::ordered_json json_of(const QuantisedSlice& slice) {
     auto leaves = nlohmann::ordered_json::array();
     for (const stream::Leaf& leaf : slice.leaves) leaves.push_back({leaf.cell, leaf.depth});
     return {{"leaves", leaves}, {"planes", slice.planes}};

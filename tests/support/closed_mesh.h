@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "interchange/mesh/triangle_mesh.h"
-#include "interchange/volume/frame_volume.h"
+#include "slice/slice.h"
 
 namespace neuvv::test {
 
 // Leaves of one depth in a box of a metre, where `inside` says so of their centres.
-inline void add_leaves(interchange::FrameVolume& volume, uint32_t depth, float sigma,
+inline void add_leaves(slice::Slice& volume, uint32_t depth, float sigma,
                        const std::function<bool(glm::vec3)>& inside) {
     const auto side = 1u << depth;
     for (uint32_t z = 0; z < side; ++z)
@@ -26,8 +26,8 @@ inline void add_leaves(interchange::FrameVolume& volume, uint32_t depth, float s
     std::sort(volume.leaves.begin(), volume.leaves.end(), [](const auto& a, const auto& b) { return a.cell < b.cell; });
 }
 
-inline interchange::FrameVolume volume_of(uint32_t depth, float sigma, const std::function<bool(glm::vec3)>& inside) {
-    interchange::FrameVolume volume;
+inline slice::Slice volume_of(uint32_t depth, float sigma, const std::function<bool(glm::vec3)>& inside) {
+    slice::Slice volume;
     volume.depth = depth;
     add_leaves(volume, depth, sigma, inside);
     return volume;

@@ -9,7 +9,7 @@
 #include "reference/paint.h"
 #include "support/random_layer.h"
 #include "voctree/sh_weights.h"
-#include "voctree/stream_slice.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::test {
 namespace {
@@ -49,7 +49,7 @@ Leaves painted_by_reference(const voctree::VOctree& tree, const Steps& steps, do
 }
 
 double colour_of(double k) {
-    return reference::sigmoid(k * double{voctree::kMeanHarmonic});
+    return reference::sigmoid(k * double{slice::kMeanHarmonic});
 }
 
 // The largest difference of leaves that FrameEdits paints, as a part of 1e-4: densities and coefficients by their own
@@ -63,7 +63,7 @@ double worst_leaf(const voctree::VOctree& tree, const Steps& steps, float frame,
     };
     for (uint32_t leaf = 0; leaf < tree.leaf_count; ++leaf) {
         compare(double{edits.painted_density(leaf, static_cast<float>(bare[leaf].sigma))}, truth[leaf].sigma);
-        voctree::LeafColours k{};
+        slice::Colours k{};
         for (size_t c = 0; c < 3; ++c)
             for (size_t i = 0; i < sh_count(tree.hh_degree); ++i) k[c][i] = static_cast<float>(bare[leaf].k[c][i]);
         edits.paint_colours(leaf, tree.hh_degree, k);
@@ -94,8 +94,8 @@ voctree::VOctree still_of(const voctree::VOctree& tree, const Leaves& leaves) {
 
 // The largest difference between planes, in steps of 1 / stream::kUnit, of which rounding may take one.
 double worst_plane(const voctree::VOctree& tree, const Steps& steps, uint32_t frame, const Leaves& truth) {
-    const stream::Slice found = voctree::slice_of(tree, frame, steps);
-    const stream::Slice expected = voctree::slice_of(still_of(tree, truth), 0);
+    const stream::QuantisedSlice found = slice::quantised(voctree::slice_of(tree, frame, steps));
+    const stream::QuantisedSlice expected = slice::quantised(voctree::slice_of(still_of(tree, truth), 0));
     EXPECT_GT(found.leaves.size(), 20u);
     if (found.leaves != expected.leaves) return INFINITY;
     double worst = 0;
@@ -162,12 +162,15 @@ TEST(SlicePaint, ErasedLeavesAreLeftOutAndRevivedOnesAreThere) {
         gone.edits.push_back({leaf, 1, 2, glm::vec3(0), 0, 0});
         solid.edits.push_back({leaf, 2, 2, {1, 0, 0}, 1, 50});
     }
+    const auto whole = [&](double frame, const Steps& steps = {}) {
+        return slice::quantised(voctree::slice_of(tree, frame, steps));
+    };
     const Steps erased = {{&gone}}, both = {{&gone}, {&solid}};
     EXPECT_TRUE(voctree::slice_of(tree, 1, erased).leaves.empty());
-    EXPECT_EQ(voctree::slice_of(tree, 3, erased).planes, voctree::slice_of(tree, 3).planes) << "past its last frame";
+    EXPECT_EQ(whole(3, erased).planes, whole(3).planes) << "past its last frame";
     EXPECT_LT(voctree::slice_of(tree, 2).leaves.size(), tree.leaf_count);
     EXPECT_TRUE(voctree::slice_of(tree, 1, both).leaves.empty());
-    const stream::Slice red = voctree::slice_of(tree, 2, both);
+    const stream::QuantisedSlice red = slice::quantised(voctree::slice_of(tree, 2, both));
     ASSERT_EQ(red.leaves.size(), tree.leaf_count);
     for (size_t i = 0; i < red.leaves.size(); ++i) {
         const stream::Rgb shown =
@@ -177,9 +180,8 @@ TEST(SlicePaint, ErasedLeavesAreLeftOutAndRevivedOnesAreThere) {
         EXPECT_LT(shown.g, 0.01f * stream::kUnit);
     }
     const Steps half = {{&gone, kPaintNormal, 0.5f}};
-    EXPECT_EQ(voctree::slice_of(tree, 1, half).leaves, voctree::slice_of(tree, 1).leaves)
-        << "half of its density stays";
-    EXPECT_NE(voctree::slice_of(tree, 1, half).planes[0], voctree::slice_of(tree, 1).planes[0]);
+    EXPECT_EQ(whole(1, half).leaves, whole(1).leaves) << "half of its density stays";
+    EXPECT_NE(whole(1, half).planes[0], whole(1).planes[0]);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include "support/figure.h"
 #include "voctree/files/occupied_box.h"
-#include "voctree/stream_slice.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::test {
 namespace {
@@ -77,8 +77,8 @@ TEST(SolidLeavesTest, AThinHazeIsLeftOutAndASolidPartIsNot) {
 
 TEST(SolidLeavesTest, ASliceHasThoseOfItsTree) {
     const voctree::VOctree tree = figure_tree();
-    const stream::Slice slice = voctree::slice_of(tree, 0);
-    const voctree::VOctree again = voctree::tree_of(slice, tree.box_min, tree.box_size, 25);
+    const stream::QuantisedSlice slice = slice::quantised(voctree::slice_of(tree, 0));
+    const voctree::VOctree again = voctree::tree_of(slice::values_of(slice, tree.box_min, tree.box_size), 25);
     const auto [low, high] = voctree::SolidLeaves(slice, tree.box_min, tree.box_size).box_at(0);
     EXPECT_EQ(std::pair(low, high), voctree::SolidLeaves(again).box_at(0));
     EXPECT_TRUE(glm::all(glm::lessThan(low, high)));

@@ -10,7 +10,7 @@
 #include "tools/bench/measure.h"
 #include "tools/report.h"
 #include "voctree/files/clip.h"
-#include "voctree/stream_slice.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::bench {
 
@@ -52,7 +52,8 @@ void measure_frame(const gpu::Device& device, const voctree::ClipSegment& frame,
     times.device_bytes.push_back(static_cast<double>(device.buffer_bytes() - before));
     times.leaves.push_back(static_cast<double>(read.slice->leaves.size()));
     voctree::VOctree tree;
-    times.tree.push_back(core_ms_of([&] { tree = voctree::tree_of(*read.slice, read.box_min, read.box_size, 25); }));
+    times.tree.push_back(
+        core_ms_of([&] { tree = voctree::tree_of(slice::values_of(*read.slice, read.box_min, read.box_size), 25); }));
     times.upload_tree.push_back(
         core_ms_of([&] { field = render::upload_field(device, tree, render::WeightPrecision::kHalf); }));
     times.slice.push_back(core_ms_of([&] { slice_once(device, field); }));

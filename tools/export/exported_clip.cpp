@@ -10,7 +10,7 @@
 #include "stage/evaluated_stage.h"
 #include "stage/time_map.h"
 #include "tools/options.h"
-#include "voctree/stream_slice.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::tools {
 
@@ -99,19 +99,15 @@ ExportedClip::Shown ExportedClip::shown(uint32_t frame) {
 }
 
 voctree::VOctree ExportedClip::still(uint32_t frame) {
-    const auto& [segment, at] = shown(frame);
-    const Pose pose = pose_at(frame);
-    return voctree::tree_of(voctree::slice_of(segment.tree, at, segment.paint.steps),
-                            glm::vec3(pose.scale * glm::dvec3(segment.tree.box_min) + pose.shift),
-                            static_cast<float>(pose.scale) * segment.tree.box_size, segment.tree.fps);
+    return voctree::tree_of(slice_of(frame), shown(frame).segment.tree.fps);
 }
 
-interchange::FrameVolume ExportedClip::volume(uint32_t frame) {
+slice::Slice ExportedClip::slice_of(uint32_t frame) {
     const auto& [segment, at] = shown(frame);
     const Pose pose = pose_at(frame);
-    interchange::FrameVolume volume = interchange::frame_volume(segment.tree, at, segment.paint.steps);
-    if (pose.hidden) volume.leaves.clear();
-    return interchange::scaled(std::move(volume), pose.scale, pose.shift);
+    slice::Slice slice = voctree::slice_of(segment.tree, at, segment.paint.steps);
+    if (pose.hidden) slice.leaves.clear();
+    return slice::scaled(std::move(slice), pose.scale, pose.shift);
 }
 
 }  // namespace neuvv::tools

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "interchange/volume/frame_volume.h"
+#include "slice/slice.h"
 #include "tools/publish/published_scene.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/world_frame.h"
@@ -47,7 +47,7 @@ class ExportedClip {
     // have its lengths and are still to be turned about the origin by rotation(). Throws InputError where the performer
     // is stretched, sheared or mirrored.
     voctree::VOctree still(uint32_t frame);
-    interchange::FrameVolume volume(uint32_t frame);
+    slice::Slice slice_of(uint32_t frame);
     glm::dquat rotation(uint32_t frame) const { return pose_at(frame).rotation; }
 
     // Where frames are in the coordinates of the capture; in a stage, the stage's own coordinates count.

@@ -66,7 +66,7 @@ class MeshExport : public FrameExport {
 
 ColouredMesh MeshExport::mesh_of(uint32_t frame, const Working& working) {
     if (measured_ && measured_->first == frame) return (*std::exchange(measured_, std::nullopt)).second;
-    std::optional<ColouredMesh> mesh = interchange::clip_mesh(clip_.volume(frame), settings_, working);
+    std::optional<ColouredMesh> mesh = interchange::clip_mesh(clip_.slice_of(frame), settings_, working);
     if (!mesh)
         throw InputError("--texture", fmt::format("{}", settings_.texture_px),
                          fmt::format("is too small for the mesh of frame {}", frame),
@@ -75,7 +75,7 @@ ColouredMesh MeshExport::mesh_of(uint32_t frame, const Working& working) {
 }
 
 FrameExport::Estimate MeshExport::estimate(uint32_t frame) {
-    uint64_t triangles = kTrianglesOfLeaf * clip_.volume(frame).leaves.size();
+    uint64_t triangles = kTrianglesOfLeaf * clip_.slice_of(frame).leaves.size();
     if (settings_.most_triangles > 0) triangles = std::min(triangles, uint64_t{settings_.most_triangles});
     const uint64_t texels = uint64_t{settings_.texture_px} * settings_.texture_px;
     return {triangles * format_.bytes_of_triangle + texels * kBytesOfFourTexels / 4,

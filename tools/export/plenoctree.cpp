@@ -41,18 +41,18 @@ class PlenoctreeExport : public FrameExport {
     std::optional<ComparedViews> compared_;  // with the images of the measured frame
     std::vector<media::Image> truth_;
     uint32_t measured_ = 0, waiting_frame_ = 0;
-    interchange::FrameVolume waiting_;
+    slice::Slice waiting_;
     uint64_t leaves_ = 0;
     std::optional<double> psnr_;  // of the measured frame, once it is written
 };
 
 FrameExport::Estimate PlenoctreeExport::estimate(uint32_t frame) {
-    const interchange::FrameVolume volume = clip_.volume(frame);
+    const slice::Slice volume = clip_.slice_of(frame);
     return {interchange::plenoctree_bytes(volume), fmt::format("about {} leaves", volume.leaves.size())};
 }
 
 void PlenoctreeExport::measure(uint32_t frame, const Working& working) {
-    if (clip_.volume(frame).leaves.empty()) return;
+    if (clip_.slice_of(frame).leaves.empty()) return;
     measured_ = frame;
     const voctree::VOctree still = clip_.still(frame);
     compared_.emplace(device_, still, parse_size(options_.size), options_.views);
@@ -67,7 +67,7 @@ void PlenoctreeExport::add(uint32_t frame, const Working&) {
     if (std::abs(clip_.rotation(frame).w) < 1 - kLeastTurn)
         throw InputError("--stage-space", fmt::format("frame {}", frame),
                          "has the performer turned, which no PlenOctree can be", "choose another kind of --as");
-    waiting_ = clip_.volume(frame);
+    waiting_ = clip_.slice_of(frame);
     waiting_frame_ = frame;
 }
 

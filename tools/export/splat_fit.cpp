@@ -4,6 +4,7 @@
 
 #include "interchange/splats/fit_splats.h"
 #include "interchange/splats/shown_leaves.h"
+#include "slice/coarser.h"
 #include "tools/compared_views.h"
 #include "tools/options.h"
 
@@ -26,15 +27,15 @@ const stage::Camera& nearest_camera(const ComparedViews& views, const glm::dvec3
 
 }  // namespace
 
-interchange::FrameVolume splat_volume(ExportedClip& clip, uint32_t frame, uint32_t most) {
-    interchange::FrameVolume volume = clip.volume(frame);
+slice::Slice splat_volume(ExportedClip& clip, uint32_t frame, uint32_t most) {
+    slice::Slice volume = clip.slice_of(frame);
     if (most == 0 || volume.leaves.size() <= most) return volume;
     interchange::measure_shown(volume);
-    return interchange::with_fewer_leaves(std::move(volume), most);
+    return slice::with_fewer_leaves(std::move(volume), most);
 }
 
 std::optional<FittedSplats> fit_splats(const gpu::Device& device, const ExportOptions& options,
-                                       const voctree::VOctree& still, const interchange::FrameVolume& volume,
+                                       const voctree::VOctree& still, const slice::Slice& volume,
                                        const Working& working) {
     if (volume.leaves.empty()) return std::nullopt;
     const ComparedViews compared(device, still, parse_size(options.size), options.views);
@@ -44,7 +45,7 @@ std::optional<FittedSplats> fit_splats(const gpu::Device& device, const ExportOp
     // Splats are fitted where leaves are larger than pixels: a shape that was fitted to whole images relies on how
     // renderers widen small splats, and lets through what is behind it when a viewer goes nearer.
     std::vector<interchange::FitView> close;
-    for (const interchange::VolumeLeaf& leaf : interchange::typical_leaves(volume, kCloseViews)) {
+    for (const slice::Leaf& leaf : interchange::typical_leaves(volume, kCloseViews)) {
         const stage::Camera camera =
             interchange::close_up(nearest_camera(compared, volume.centre_m(leaf)), volume, leaf);
         close.push_back({camera, compared.render_still(still, camera)});

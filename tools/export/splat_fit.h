@@ -11,7 +11,7 @@
 namespace neuvv::tools {
 
 // The leaves of a frame, merged to at most `most` where that is not 0.
-interchange::FrameVolume splat_volume(ExportedClip& clip, uint32_t frame, uint32_t most);
+slice::Slice splat_volume(ExportedClip& clip, uint32_t frame, uint32_t most);
 
 struct FittedSplats {
     interchange::SplatShape shape;
@@ -22,7 +22,7 @@ struct FittedSplats {
 // The shape of splats whose images are most like those of a frame, as a tree and as the leaves that become splats;
 // nothing where there are none. `working` is told what is being done, and may throw.
 std::optional<FittedSplats> fit_splats(const gpu::Device& device, const ExportOptions& options,
-                                       const voctree::VOctree& still, const interchange::FrameVolume& volume,
+                                       const voctree::VOctree& still, const slice::Slice& volume,
                                        const Working& working);
 
 }  // namespace neuvv::tools

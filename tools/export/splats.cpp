@@ -56,7 +56,7 @@ class SplatExport : public FrameExport {
     const SplatFormat& format_;
     ExportedClip& clip_;
     gpu::Device device_;
-    interchange::FrameVolume measured_;         // from estimate() to measure()
+    slice::Slice measured_;                     // from estimate() to measure()
     std::optional<FittedSplats> fit_;           // none where the measured frame is empty
     std::vector<interchange::Splats> waiting_;  // to be written
     uint64_t written_ = 0;                      // splats

@@ -44,7 +44,7 @@ class StandIns {
         std::string look;  // the clip and its paint
         uint32_t frame = 0;
         float opacity = 1;
-        interchange::FrameVolume volume{};
+        slice::Slice volume{};
     };
     void read(const stage::EvaluatedPerformer& performer, Progress& progress);
     void expect_no_stop() const;  // throws RuntimeFailure where the user wants to stop

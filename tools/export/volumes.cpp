@@ -27,7 +27,7 @@ class VolumeExport : public FrameExport {
     Estimate estimate(uint32_t frame) override;
     void measure(uint32_t frame, const Working& working) override;
     void add(uint32_t frame, const Working&) override {
-        waiting_ = interchange::scaled(volume_of(frame), clip_.capture().unit);
+        waiting_ = slice::scaled(volume_of(frame), clip_.capture().unit);
         vdb_.rotation = clip_.rotation(frame);
         vdb_.origin = clip_.capture().origin;
     }
@@ -36,23 +36,23 @@ class VolumeExport : public FrameExport {
     std::string summary() const override;
 
   private:
-    interchange::FrameVolume volume_of(uint32_t frame);
+    slice::Slice volume_of(uint32_t frame);
 
     const ExportOptions& options_;
     ExportedClip& clip_;
     gpu::Device device_;
-    interchange::FrameVolume waiting_;  // to be written
+    slice::Slice waiting_;  // to be written
     interchange::VdbOptions vdb_;
     uint64_t written_ = 0;  // leaves
     double edge_m_ = 0;     // of voxels
     std::optional<double> psnr_;
 };
 
-interchange::FrameVolume VolumeExport::volume_of(uint32_t frame) {
+slice::Slice VolumeExport::volume_of(uint32_t frame) {
     // Voxels have one size in all frames of a segment.
     vdb_.depth = voctree::finest_depth(clip_.segment_of(frame).tree);
     if (options_.iso) vdb_.surface_opacity = static_cast<float>(*options_.iso);
-    return clip_.volume(frame);
+    return clip_.slice_of(frame);
 }
 
 FrameExport::Estimate VolumeExport::estimate(uint32_t frame) {

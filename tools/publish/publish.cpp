@@ -26,7 +26,7 @@
 #include "voctree/files/clip.h"
 #include "voctree/files/clip_sound.h"
 #include "voctree/files/world_frame.h"
-#include "voctree/stream_slice.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::tools {
 
@@ -74,9 +74,9 @@ std::optional<int> largest_strength(const std::function<bool(int)>& keeps) {
 constexpr double kLittleRepeated = 0.2;
 constexpr uint32_t kFramesBetweenKeys = 4;
 
-std::vector<stream::FrameSymbols> encode_group(const std::vector<stream::Slice>& slices, int strength) {
+std::vector<stream::FrameSymbols> encode_group(const std::vector<stream::QuantisedSlice>& slices, int strength) {
     std::vector<stream::FrameSymbols> frames;
-    stream::Slice decoded, before;
+    stream::QuantisedSlice decoded, before;
     uint32_t of_key = 0;  // frames since the last key frame, with that one
     for (size_t i = 0; i < slices.size(); ++i) {
         before = std::move(decoded);
@@ -112,7 +112,7 @@ class Publisher {
     void publish_segment(const voctree::ClipSegment& segment, stream::Writer& writer);
     int strength_for_quality(const voctree::VOctree& tree, std::span<const voctree::PaintStep> paint,
                              const std::filesystem::path& file);
-    int strength_for_rate(const std::vector<stream::Slice>& slices) const;
+    int strength_for_rate(const std::vector<stream::QuantisedSlice>& slices) const;
     void expect_to_go_on() const {
         if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options_.output));
     }
@@ -132,18 +132,18 @@ int Publisher::strength_for_quality(const voctree::VOctree& tree, std::span<cons
     ComparedViews views(*device_, tree, parse_size(options_.size), options_.views);
     views.round_frames();
     const std::vector<media::Image> truth = views.render(tree, paint);
-    std::vector<stream::Slice> slices;
+    std::vector<stream::QuantisedSlice> slices;
     for (size_t i = 0; i < views.count(); ++i)
-        slices.push_back(voctree::slice_of(tree, static_cast<uint32_t>(views.frame_of(i)), paint));
+        slices.push_back(slice::quantised(voctree::slice_of(tree, static_cast<uint32_t>(views.frame_of(i)), paint)));
     double last = 0, kept = 0;
     const auto strength = largest_strength([&](int one) {
         expect_to_go_on();
         last = 99;
         for (size_t i = 0; i < slices.size(); ++i) {
-            stream::Slice decoded;
+            stream::QuantisedSlice decoded;
             stream::encode(slices[i], steps_of(one), {}, decoded, parallel_for);
-            const media::Image image =
-                views.render_still(voctree::tree_of(decoded, tree.box_min, tree.box_size, tree.fps), i);
+            const media::Image image = views.render_still(
+                voctree::tree_of(slice::values_of(decoded, tree.box_min, tree.box_size), tree.fps), i);
             last = std::min(last, worst_psnr({truth[i]}, {image}));
         }
         if (last >= options_.quality) kept = last;
@@ -158,7 +158,7 @@ int Publisher::strength_for_quality(const voctree::VOctree& tree, std::span<cons
 }
 
 // The finest whose bytes fit into the rate, or else the coarsest.
-int Publisher::strength_for_rate(const std::vector<stream::Slice>& slices) const {
+int Publisher::strength_for_rate(const std::vector<stream::QuantisedSlice>& slices) const {
     const double seconds = static_cast<double>(slices.size()) / double{scene_.index.fps};
     const auto too_large = largest_strength([&](int strength) {
         expect_to_go_on();
@@ -174,15 +174,15 @@ void Publisher::publish_segment(const voctree::ClipSegment& segment, stream::Wri
     const SegmentLayers paint = read_segment_layers(scene_, segment, tree);
     int strength = options_.rate_mbps ? 0 : strength_for_quality(tree, paint.steps, segment.file);
     for (uint32_t first = 0; first < segment.frames; first += group_frames_) {
-        std::vector<stream::Slice> slices;
+        std::vector<stream::QuantisedSlice> slices;
         for (uint32_t i = first; i < std::min(first + group_frames_, segment.frames); ++i) {
             expect_to_go_on();
-            slices.push_back(voctree::slice_of(tree, i, paint.steps));
+            slices.push_back(slice::quantised(voctree::slice_of(tree, i, paint.steps)));
         }
         if (options_.rate_mbps) strength = strength_for_rate(slices);
         stream::Group group;
         group.format = {slices[0].depth, slices[0].degree, 0};
-        for (const stream::Slice& slice : slices)
+        for (const stream::QuantisedSlice& slice : slices)
             group.format.most_leaves = std::max(group.format.most_leaves, static_cast<uint32_t>(slice.leaves.size()));
         for (int axis = 0; axis < 3; ++axis) {
             group.box_min[static_cast<size_t>(axis)] = tree.box_min[axis];

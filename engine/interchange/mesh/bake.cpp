@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/sigmoid.h"
 #include "base/threads/parallel.h"
 #include "voctree/sh_weights.h"
-#include "voctree/sigmoid.h"
 
 namespace neuvv::interchange {
 
@@ -25,12 +25,12 @@ std::array<float, kMaxShCount> mean_basis(const glm::vec3& direction) {
     return mean;
 }
 
-glm::vec3 colour_of(const VolumeLeaf& leaf, uint32_t degree, const std::array<float, kMaxShCount>& basis) {
+glm::vec3 colour_of(const slice::Leaf& leaf, uint32_t degree, const std::array<float, kMaxShCount>& basis) {
     glm::vec3 colour;
     for (int c = 0; c < 3; ++c) {
         float logit = 0;
         for (size_t i = 0; i < sh_count(degree); ++i) logit += leaf.colours[static_cast<size_t>(c)][i] * basis[i];
-        colour[c] = voctree::sigmoid(logit);
+        colour[c] = sigmoid(logit);
     }
     return colour;
 }
@@ -41,10 +41,10 @@ glm::vec4 seen_at(const LeafGrid& grid, const glm::vec3& point, const glm::vec3&
     const float cell = std::min({grid.cell_m().x, grid.cell_m().y, grid.cell_m().z}), step = kStep * cell;
     glm::vec3 sum(0);
     float transmittance = 1;
-    const VolumeLeaf* last = nullptr;
+    const slice::Leaf* last = nullptr;
     glm::vec3 colour(0);
     for (float at = kBefore * cell; at > -kBehind * cell && transmittance > kLeastSeen; at -= step) {
-        const VolumeLeaf* leaf = grid.leaf_at(point + at * normal);
+        const slice::Leaf* leaf = grid.leaf_at(point + at * normal);
         if (leaf == nullptr) continue;
         if (leaf != last) colour = colour_of(*leaf, grid.volume().degree, basis);
         last = leaf;

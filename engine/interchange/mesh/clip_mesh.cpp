@@ -8,7 +8,7 @@
 
 namespace neuvv::interchange {
 
-std::optional<ColouredMesh> clip_mesh(FrameVolume volume, const MeshSettings& settings,
+std::optional<ColouredMesh> clip_mesh(slice::Slice volume, const MeshSettings& settings,
                                       const std::function<void(std::string_view what)>& working) {
     const LeafGrid grid(std::move(volume));
     TriangleMesh surface = surface_of(solid_of(grid, settings.opacity, [&] { working("finding the surface"); }));

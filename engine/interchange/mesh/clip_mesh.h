@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "interchange/mesh/mesh_image.h"
-#include "interchange/volume/frame_volume.h"
+#include "slice/slice.h"
 
 namespace neuvv::interchange {
 
@@ -19,7 +19,7 @@ struct MeshSettings {
 
 // Nothing where the texture is too small for the mesh; a mesh without triangles where the frame shows nothing. Calls
 // `working` some times with what is being done; it may throw.
-std::optional<ColouredMesh> clip_mesh(FrameVolume volume, const MeshSettings& settings,
+std::optional<ColouredMesh> clip_mesh(slice::Slice volume, const MeshSettings& settings,
                                       const std::function<void(std::string_view what)>& working);
 
 }  // namespace neuvv::interchange

@@ -171,7 +171,7 @@ Solid solid_of(const LeafGrid& grid, double opacity, const std::function<void()>
         for (size_t i = begin; i < end; ++i)
             for (int x = 0; x < solid.size.x; ++x) {
                 const int yz = static_cast<int>(i);
-                const VolumeLeaf* leaf = grid.leaf_of({x, yz % solid.size.y, yz / solid.size.y});
+                const slice::Leaf* leaf = grid.leaf_of({x, yz % solid.size.y, yz / solid.size.y});
                 if (leaf != nullptr) sigma[i * row + static_cast<size_t>(x)] = leaf->sigma;
             }
     });

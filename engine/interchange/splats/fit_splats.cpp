@@ -12,12 +12,12 @@ constexpr double kPixelsOfLeaf = 4;
 
 }  // namespace
 
-std::vector<VolumeLeaf> typical_leaves(const FrameVolume& volume, size_t count) {
+std::vector<slice::Leaf> typical_leaves(const slice::Slice& volume, size_t count) {
     assert(!volume.leaves.empty());
     double all = 0, before = 0;
-    for (const VolumeLeaf& leaf : volume.leaves) all += double{leaf.shown};
-    std::vector<VolumeLeaf> typical;
-    for (const VolumeLeaf& leaf : volume.leaves) {
+    for (const slice::Leaf& leaf : volume.leaves) all += double{leaf.shown};
+    std::vector<slice::Leaf> typical;
+    for (const slice::Leaf& leaf : volume.leaves) {
         before += double{leaf.shown};
         while (typical.size() < count &&
                before >= all * (static_cast<double>(typical.size()) + 0.5) / static_cast<double>(count))
@@ -26,7 +26,7 @@ std::vector<VolumeLeaf> typical_leaves(const FrameVolume& volume, size_t count) 
     return typical;
 }
 
-stage::Camera close_up(const stage::Camera& camera, const FrameVolume& volume, const VolumeLeaf& leaf) {
+stage::Camera close_up(const stage::Camera& camera, const slice::Slice& volume, const slice::Leaf& leaf) {
     const glm::dvec3 at(glm::inverse(camera.world_from_camera) * glm::dvec4(volume.centre_m(leaf), 1));
     assert(at.z < 0);
     stage::Camera close = camera;
@@ -52,7 +52,7 @@ double psnr_of(const Splats& splats, std::span<const FitView> views) {
     return sum > 0 ? std::min(99.0, -10 * std::log10(sum / count)) : 99;
 }
 
-SplatFit fit_shape(const FrameVolume& volume, std::span<const FitView> views, const std::function<void()>& between) {
+SplatFit fit_shape(const slice::Slice& volume, std::span<const FitView> views, const std::function<void()>& between) {
     Splats splats = splats_of(volume, {});
     SplatFit best{{}, psnr_of(splats, views)};
     const auto improves = [&](const SplatShape& shape) {

@@ -29,7 +29,7 @@ stage::Camera camera_from(const glm::dvec3& direction, const glm::dvec3& centre,
 
 }  // namespace
 
-void measure_shown(FrameVolume& volume) {
+void measure_shown(slice::Slice& volume) {
     const Splats splats = splats_of(volume, {});
     glm::dvec3 low(std::numeric_limits<double>::max()), high(std::numeric_limits<double>::lowest());
     for (const Splat& splat : splats.splats) {

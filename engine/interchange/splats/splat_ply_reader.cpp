@@ -13,8 +13,8 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "base/sigmoid.h"
 #include "interchange/splats/splat_ply.h"
-#include "voctree/sigmoid.h"
 
 namespace neuvv::interchange {
 
@@ -171,7 +171,7 @@ class SplatColumns {
         }
         Splat splat;
         splat.centre = scale * glm::vec3(n[0], n[1], n[2]);
-        splat.opacity = voctree::sigmoid(n[3]);
+        splat.opacity = sigmoid(n[3]);
         splat.deviation = scale * glm::exp(glm::vec3(n[4], n[5], n[6]));
         const glm::vec4 turn = glm::vec4(n[7], n[8], n[9], n[10]);
         const float length = glm::length(turn);

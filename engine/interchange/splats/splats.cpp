@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "base/sigmoid.h"
 #include "base/threads/parallel.h"
 #include "media/image.h"
 #include "voctree/sh_weights.h"
-#include "voctree/sigmoid.h"
 
 namespace neuvv::interchange {
 
@@ -37,7 +37,7 @@ std::vector<Direction> directions(const glm::dquat& rotation) {
 }
 
 // The colours of a leaf in sRGB, projected onto harmonics of the same degree.
-SplatColour splat_colour(const voctree::LeafColours& k, uint32_t degree, const std::vector<Direction>& directions) {
+SplatColour splat_colour(const slice::Colours& k, uint32_t degree, const std::vector<Direction>& directions) {
     const uint32_t count = sh_count(degree);
     SplatColour colour{};
     for (int c = 0; c < 3; ++c) {
@@ -45,7 +45,7 @@ SplatColour splat_colour(const voctree::LeafColours& k, uint32_t degree, const s
         for (const Direction& direction : directions) {
             float logit = 0;
             for (uint32_t i = 0; i < count; ++i) logit += channel[i] * direction.of_volume[i];
-            const double linear = voctree::sigmoid(double{logit});
+            const double linear = sigmoid(double{logit});
             const float shown = static_cast<float>(media::srgb_from_linear(linear)) - 0.5f;
             for (uint32_t i = 0; i < count; ++i) colour[i][c] += direction.weight * direction.of_splats[i] * shown;
         }
@@ -55,7 +55,7 @@ SplatColour splat_colour(const voctree::LeafColours& k, uint32_t degree, const s
 
 }  // namespace
 
-Splats splats_of(const FrameVolume& volume, const SplatShape& shape, const glm::dquat& rotation) {
+Splats splats_of(const slice::Slice& volume, const SplatShape& shape, const glm::dquat& rotation) {
     const std::vector<Direction> all = directions(rotation);
     Splats splats{volume.degree, std::vector<Splat>(volume.leaves.size())};
     reshape(splats, volume, shape);
@@ -90,9 +90,9 @@ void turn(Splats& splats, const glm::dquat& rotation) {
     });
 }
 
-void reshape(Splats& splats, const FrameVolume& volume, const SplatShape& shape) {
+void reshape(Splats& splats, const slice::Slice& volume, const SplatShape& shape) {
     for (size_t i = 0; i < splats.splats.size(); ++i) {
-        const VolumeLeaf& leaf = volume.leaves[i];
+        const slice::Leaf& leaf = volume.leaves[i];
         splats.splats[i].deviation = static_cast<float>(shape.width) * volume.edges_m(leaf);
         splats.splats[i].opacity = 1 - std::exp(-static_cast<float>(shape.density) * volume.optical_depth(leaf));
     }

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "interchange/volume/frame_volume.h"
 #include "shared/hh_counts.h"
+#include "slice/slice.h"
 
 namespace neuvv::interchange {
 
@@ -42,12 +42,12 @@ struct SplatShape {
 };
 
 // Their axes are those of the clip's box. `rotation`: of the splats about the origin, with their axes and colours.
-Splats splats_of(const FrameVolume& volume, const SplatShape& shape, const glm::dquat& rotation = {1, 0, 0, 0});
+Splats splats_of(const slice::Slice& volume, const SplatShape& shape, const glm::dquat& rotation = {1, 0, 0, 0});
 
 // Turns splats about the origin, with their axes and colours.
 void turn(Splats& splats, const glm::dquat& rotation);
 
 // Gives splats that were made of a volume another shape.
-void reshape(Splats& splats, const FrameVolume& volume, const SplatShape& shape);
+void reshape(Splats& splats, const slice::Slice& volume, const SplatShape& shape);
 
 }  // namespace neuvv::interchange

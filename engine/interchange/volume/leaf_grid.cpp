@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <utility>
+#include "slice/coarser.h"
 
 namespace neuvv::interchange {
 
@@ -19,15 +20,15 @@ struct LatticeBox {
 };
 
 // The cells of a leaf at the depth of the volume.
-LatticeBox cells_of(const FrameVolume& volume, const VolumeLeaf& leaf) {
+LatticeBox cells_of(const slice::Slice& volume, const slice::Leaf& leaf) {
     const voctree::LeafPosition at = voctree::position_of(leaf.cell, volume.depth);
     const glm::ivec3 low(at.x, at.y, at.z);
     return {low, low + (1 << (volume.depth - leaf.depth))};
 }
 
-LatticeBox box_of(const FrameVolume& volume) {
+LatticeBox box_of(const slice::Slice& volume) {
     LatticeBox box;
-    for (const VolumeLeaf& leaf : volume.leaves) {
+    for (const slice::Leaf& leaf : volume.leaves) {
         const LatticeBox cells = cells_of(volume, leaf);
         box.low = glm::min(box.low, cells.low);
         box.high = glm::max(box.high, cells.high);
@@ -37,14 +38,14 @@ LatticeBox box_of(const FrameVolume& volume) {
 
 }  // namespace
 
-LeafGrid::LeafGrid(FrameVolume volume, size_t most_cells) : volume_(std::move(volume)) {
+LeafGrid::LeafGrid(slice::Slice volume, size_t most_cells) : volume_(std::move(volume)) {
     uint32_t finest = 1;
-    for (const VolumeLeaf& leaf : volume_.leaves) finest = std::max(finest, leaf.depth);
-    volume_ = with_depth(std::move(volume_), finest);
+    for (const slice::Leaf& leaf : volume_.leaves) finest = std::max(finest, leaf.depth);
+    volume_ = slice::with_depth(std::move(volume_), finest);
     if (volume_.leaves.empty()) return;
     LatticeBox box = box_of(volume_);
     while (box.cells() > most_cells && volume_.depth > 1) {
-        volume_ = with_depth(std::move(volume_), volume_.depth - 1);
+        volume_ = slice::with_depth(std::move(volume_), volume_.depth - 1);
         box = box_of(volume_);
     }
     size_ = box.size();
@@ -62,7 +63,7 @@ LeafGrid::LeafGrid(FrameVolume volume, size_t most_cells) : volume_(std::move(vo
     }
 }
 
-const VolumeLeaf* LeafGrid::leaf_of(const glm::ivec3& cell) const {
+const slice::Leaf* LeafGrid::leaf_of(const glm::ivec3& cell) const {
     if (cell.x < 0 || cell.y < 0 || cell.z < 0 || cell.x >= size_.x || cell.y >= size_.y || cell.z >= size_.z)
         return nullptr;
     const uint32_t leaf = leaf_[index_of(cell)];

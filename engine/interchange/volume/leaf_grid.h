@@ -4,7 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "interchange/volume/frame_volume.h"
+#include "slice/slice.h"
 
 namespace neuvv::interchange {
 
@@ -13,15 +13,15 @@ namespace neuvv::interchange {
 class LeafGrid {
   public:
     static constexpr size_t kMostCells = size_t{1} << 26;
-    explicit LeafGrid(FrameVolume volume, size_t most_cells = kMostCells);
+    explicit LeafGrid(slice::Slice volume, size_t most_cells = kMostCells);
 
-    const FrameVolume& volume() const { return volume_; }
+    const slice::Slice& volume() const { return volume_; }
     glm::ivec3 size() const { return size_; }         // cells along each axis; 0 where the volume is empty
     glm::vec3 origin_m() const { return origin_m_; }  // the lowest corner of cell 0, 0, 0
     glm::vec3 cell_m() const { return cell_m_; }      // edges of a cell
     // Null where there is none. Cells outside are empty; x counts fastest.
-    const VolumeLeaf* leaf_of(const glm::ivec3& cell) const;
-    const VolumeLeaf* leaf_at(const glm::vec3& point_m) const {
+    const slice::Leaf* leaf_of(const glm::ivec3& cell) const;
+    const slice::Leaf* leaf_at(const glm::vec3& point_m) const {
         return leaf_of(glm::ivec3(glm::floor((point_m - origin_m_) / cell_m_)));
     }
 
@@ -31,7 +31,7 @@ class LeafGrid {
                    static_cast<size_t>(size_.x) +
                static_cast<size_t>(cell.x);
     }
-    FrameVolume volume_;
+    slice::Slice volume_;
     glm::ivec3 size_{0};
     glm::vec3 origin_m_{0}, cell_m_{1};
     std::vector<uint32_t> leaf_;  // by cell: one more than the leaf's index

@@ -8,11 +8,11 @@
 
 #include "base/error.h"
 #include "base/formats/npz_writer.h"
+#include "base/sigmoid.h"
 #include "base/threads/parallel.h"
 #include "media/image.h"
 #include "voctree/files/half.h"
 #include "voctree/sh_weights.h"
-#include "voctree/sigmoid.h"
 
 namespace neuvv::interchange {
 
@@ -47,16 +47,16 @@ std::vector<PlenDirection> plen_directions() {
 // From the logit of linear light to that of sRGB.
 double srgb_logit(double logit) {
     const double clamped = std::clamp(logit, -kLastPlenLogit, kLastPlenLogit);
-    const double srgb = media::srgb_from_linear(voctree::sigmoid(clamped));
+    const double srgb = media::srgb_from_linear(sigmoid(clamped));
     return std::log(srgb / (1 - srgb)) + (logit - clamped);
 }
 
 class PlenTree {
   public:
-    PlenTree(const FrameVolume& volume, const std::string& file)
+    PlenTree(const slice::Slice& volume, const std::string& file)
         : volume_(volume), file_(file), numbers_(3 * sh_count(volume.degree) + 1) {
         add_node(0, 0);
-        for (const VolumeLeaf& leaf : volume.leaves) cells_.push_back(cell_of(leaf));
+        for (const slice::Leaf& leaf : volume.leaves) cells_.push_back(cell_of(leaf));
         data_.resize(child_.size() * numbers_);
         fill();
     }
@@ -67,10 +67,10 @@ class PlenTree {
         child_.resize(child_.size() + 8);
         parent_depth_.insert(parent_depth_.end(), {static_cast<int32_t>(parent_cell), depth});
     }
-    size_t cell_of(const VolumeLeaf& leaf);
+    size_t cell_of(const slice::Leaf& leaf);
     void fill();
 
-    const FrameVolume& volume_;
+    const slice::Slice& volume_;
     const std::string& file_;  // for errors
     size_t numbers_;
     std::vector<int32_t> child_;         // 8 a node: to the node below, relative to the cell's own; 0: a leaf
@@ -80,7 +80,7 @@ class PlenTree {
 };
 
 // The cell of a leaf, with the nodes above it made.
-size_t PlenTree::cell_of(const VolumeLeaf& leaf) {
+size_t PlenTree::cell_of(const slice::Leaf& leaf) {
     assert(leaf.depth >= 1);
     const voctree::LeafPosition at = voctree::position_of(leaf.cell >> 3 * (volume_.depth - leaf.depth), leaf.depth);
     const uint32_t x = at.x, y = (1u << leaf.depth) - 1 - at.z, z = at.y;  // in the file's axes
@@ -105,7 +105,7 @@ void PlenTree::fill() {
     const uint32_t count = sh_count(volume_.degree);
     parallel_for(cells_.size(), kPlenLeavesOfPart, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-            const VolumeLeaf& leaf = volume_.leaves[i];
+            const slice::Leaf& leaf = volume_.leaves[i];
             uint16_t* numbers = &data_[cells_[i] * numbers_];
             for (size_t c = 0; c < 3; ++c) {
                 std::array<double, kMaxShCount> encoded{};
@@ -150,11 +150,11 @@ std::vector<NpzArray> PlenTree::arrays() const {
 
 }  // namespace
 
-void write_plenoctree(const std::filesystem::path& file, const FrameVolume& volume) {
+void write_plenoctree(const std::filesystem::path& file, const slice::Slice& volume) {
     write_npz(file, PlenTree(volume, file.string()).arrays());
 }
 
-uint64_t plenoctree_bytes(const FrameVolume& volume) {
+uint64_t plenoctree_bytes(const slice::Slice& volume) {
     constexpr double kPacked = 0.9;  // of the leaves' own numbers, as measured; empty cells pack to nearly nothing
     return static_cast<uint64_t>(kPacked * 2 * static_cast<double>(volume.leaves.size()) *
                                  (3 * sh_count(volume.degree) + 1));

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "interchange/volume/frame_volume.h"
+#include "slice/slice.h"
 
 namespace neuvv::interchange {
 
@@ -12,9 +12,9 @@ namespace neuvv::interchange {
 // as PlenOctrees have it and as their renderers composite it; voctree::read_plenoctree reads the file. A volume without
 // leaves becomes a node of empty cells. Written atomically; throws InputError with the file for more than 2^27 nodes,
 // and RuntimeFailure.
-void write_plenoctree(const std::filesystem::path& file, const FrameVolume& volume);
+void write_plenoctree(const std::filesystem::path& file, const slice::Slice& volume);
 
 // About how many bytes a volume takes, packed.
-uint64_t plenoctree_bytes(const FrameVolume& volume);
+uint64_t plenoctree_bytes(const slice::Slice& volume);
 
 }  // namespace neuvv::interchange

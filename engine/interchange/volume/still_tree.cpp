@@ -55,7 +55,7 @@ CellBox CellBox::around(const glm::ivec3& low, const glm::ivec3& high, int step,
 
 float constant_harmonic(float linear) {
     const float p = std::clamp(linear, kLeastImportedColour, 1 - kLeastImportedColour);
-    return std::log(p / (1 - p)) / voctree::kMeanHarmonic;
+    return std::log(p / (1 - p)) / slice::kMeanHarmonic;
 }
 
 voctree::VOctree still_tree(const StillLeaves& leaves, const CellBox& box, const glm::dvec3& origin_m,

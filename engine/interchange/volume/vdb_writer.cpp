@@ -24,7 +24,7 @@ namespace {
 constexpr float kMostStretch = 1e-5f;
 constexpr float kSurfaceVoxels = 3;
 
-openvdb::Vec3s mean_colour(const VolumeLeaf& leaf, uint32_t degree) {
+openvdb::Vec3s mean_colour(const slice::Leaf& leaf, uint32_t degree) {
     openvdb::Vec3s mean(0);
     for (const voctree::ShDirection& direction : voctree::sh_directions()) {
         const auto basis = voctree::sh_basis(direction.d);
@@ -39,13 +39,13 @@ openvdb::Vec3s mean_colour(const VolumeLeaf& leaf, uint32_t degree) {
 }
 
 // The finest depth at which the frame has leaves.
-uint32_t finest_depth(const FrameVolume& volume) {
+uint32_t finest_depth(const slice::Slice& volume) {
     uint32_t finest = 1;
-    for (const VolumeLeaf& leaf : volume.leaves) finest = std::max(finest, leaf.depth);
+    for (const slice::Leaf& leaf : volume.leaves) finest = std::max(finest, leaf.depth);
     return finest;
 }
 
-openvdb::math::Transform::Ptr transform_of(const FrameVolume& volume, uint32_t depth) {
+openvdb::math::Transform::Ptr transform_of(const slice::Slice& volume, uint32_t depth) {
     const glm::dvec3 edges = glm::dvec3(volume.box_size) / std::exp2(depth);
     const glm::dvec3 centre = glm::dvec3(volume.box_min) + 0.5 * edges;
     const double mean = (edges.x + edges.y + edges.z) / 3;
@@ -94,13 +94,13 @@ struct Grids {
     openvdb::Vec3SGrid::Ptr colour;
 };
 
-Grids fill(const FrameVolume& volume, uint32_t depth) {
+Grids fill(const slice::Slice& volume, uint32_t depth) {
     const openvdb::math::Transform::Ptr transform = transform_of(volume, depth);
     const Grids grids{grid_of<openvdb::FloatGrid>("density", transform), grid_of<openvdb::Vec3SGrid>("Cd", transform)};
     grids.density->setGridClass(openvdb::GRID_FOG_VOLUME);
     auto density = grids.density->getAccessor();
     auto colour = grids.colour->getAccessor();
-    for (const VolumeLeaf& leaf : volume.leaves) {
+    for (const slice::Leaf& leaf : volume.leaves) {
         const voctree::LeafPosition at = voctree::position_of(leaf.cell >> 3 * (volume.depth - leaf.depth), leaf.depth);
         assert(leaf.depth <= depth);
         const int edge = 1 << (depth - leaf.depth);
@@ -162,13 +162,13 @@ class MemoryArchive : public openvdb::io::Archive {
 
 }  // namespace
 
-bool has_cubic_cells(const FrameVolume& volume) {
+bool has_cubic_cells(const slice::Slice& volume) {
     const glm::dvec3 size(volume.box_size);
     const glm::dvec3 stretch = glm::abs(3.0 * size / (size.x + size.y + size.z) - 1.0);
     return std::max({stretch.x, stretch.y, stretch.z}) < double{kMostStretch};
 }
 
-std::string vdb_bytes(const FrameVolume& volume, const VdbOptions& options) {
+std::string vdb_bytes(const slice::Slice& volume, const VdbOptions& options) {
     openvdb::initialize();
     const Grids grids = fill(volume, options.depth > 0 ? options.depth : finest_depth(volume));
     std::vector<openvdb::GridBase::Ptr> all = {grids.density, grids.colour};
@@ -185,7 +185,7 @@ std::string vdb_bytes(const FrameVolume& volume, const VdbOptions& options) {
     return MemoryArchive().write({all.begin(), all.end()});
 }
 
-void write_vdb(const std::filesystem::path& file, const FrameVolume& volume, const VdbOptions& options) {
+void write_vdb(const std::filesystem::path& file, const slice::Slice& volume, const VdbOptions& options) {
     const std::string bytes = vdb_bytes(volume, options);
     write_file_atomically(file, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
 }

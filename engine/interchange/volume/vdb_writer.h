@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "interchange/volume/frame_volume.h"
+#include "slice/slice.h"
 
 namespace neuvv::interchange {
 
@@ -28,12 +28,12 @@ struct VdbOptions {
 //
 // Written atomically. Throws InputError where a level set is asked for and the volume's cells are no cubes,
 // RuntimeFailure where the file cannot be written.
-void write_vdb(const std::filesystem::path& file, const FrameVolume& volume, const VdbOptions& options = {});
+void write_vdb(const std::filesystem::path& file, const slice::Slice& volume, const VdbOptions& options = {});
 // The bytes of the file.
-std::string vdb_bytes(const FrameVolume& volume, const VdbOptions& options = {});
+std::string vdb_bytes(const slice::Slice& volume, const VdbOptions& options = {});
 
 // Whether cells are cubes up to rounding, as level sets need it.
-bool has_cubic_cells(const FrameVolume& volume);
+bool has_cubic_cells(const slice::Slice& volume);
 
 // About, with a level set.
 constexpr size_t kVdbBytesOfLeaf = 40;

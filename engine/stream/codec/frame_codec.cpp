@@ -36,8 +36,9 @@ std::vector<std::array<int16_t, kPairs>> numbers_of(const Coefficients& coeffici
 }
 
 // Encodes some planes, from `first` on, and sets those of `decoded` to what will be decoded.
-void encode_planes(const Slice& slice, const Octree& tree, const Pairs& pairs, std::span<const int16_t> factors,
-                   uint32_t first, uint32_t count, FrameSymbols& frame, Slice& decoded, const InParts& in_parts) {
+void encode_planes(const QuantisedSlice& slice, const Octree& tree, const Pairs& pairs,
+                   std::span<const int16_t> factors, uint32_t first, uint32_t count, FrameSymbols& frame,
+                   QuantisedSlice& decoded, const InParts& in_parts) {
     in_parts(count, 3, [&](size_t begin, size_t end) {
         std::vector<std::vector<std::array<int16_t, kPairs>>> numbers;
         std::vector<PlaneOfTree> planes;
@@ -56,7 +57,7 @@ void encode_planes(const Slice& slice, const Octree& tree, const Pairs& pairs, s
 }
 
 // The planes of a slice without repeated blocks. Colours need the decoded opacity.
-void encode_all_planes(const Slice& slice, const Octree& tree, FrameSymbols& frame, Slice& decoded,
+void encode_all_planes(const QuantisedSlice& slice, const Octree& tree, FrameSymbols& frame, QuantisedSlice& decoded,
                        const InParts& in_parts) {
     const auto planes = static_cast<uint32_t>(slice.planes.size());
     decoded.planes.resize(planes);
@@ -67,7 +68,7 @@ void encode_all_planes(const Slice& slice, const Octree& tree, FrameSymbols& fra
 }
 
 // Whether the leaves of a block, from `a` on, are those of the other slice from `b` on.
-bool is_same(const Slice& slice, size_t a, const Slice& before, size_t b, size_t count) {
+bool is_same(const QuantisedSlice& slice, size_t a, const QuantisedSlice& before, size_t b, size_t count) {
     const auto same = [&](const auto& one, const auto& other) {
         return std::equal(one.begin() + static_cast<ptrdiff_t>(a), one.begin() + static_cast<ptrdiff_t>(a + count),
                           other.begin() + static_cast<ptrdiff_t>(b));
@@ -80,7 +81,8 @@ bool is_same(const Slice& slice, size_t a, const Slice& before, size_t b, size_t
 
 // Whether the leaves are in the same places and their planes differ by no more than rounding them does: by as much as
 // coefficients of half a step.
-bool is_similar(const Slice& slice, size_t a, const Slice& before, size_t b, size_t count, const Steps& steps) {
+bool is_similar(const QuantisedSlice& slice, size_t a, const QuantisedSlice& before, size_t b, size_t count,
+                const Steps& steps) {
     std::vector<double> weights(count);
     for (size_t i = 0; i < count; ++i) {
         if (slice.leaves[a + i] != before.leaves[b + i]) return false;
@@ -101,7 +103,7 @@ bool is_similar(const Slice& slice, size_t a, const Slice& before, size_t b, siz
     return true;
 }
 
-void append_leaves(const Slice& from, size_t begin, size_t end, Slice& to) {
+void append_leaves(const QuantisedSlice& from, size_t begin, size_t end, QuantisedSlice& to) {
     const auto append = [&](const auto& numbers, auto& all) {
         all.insert(all.end(), numbers.begin() + static_cast<ptrdiff_t>(begin),
                    numbers.begin() + static_cast<ptrdiff_t>(end));
@@ -110,17 +112,17 @@ void append_leaves(const Slice& from, size_t begin, size_t end, Slice& to) {
     for (size_t plane = 0; plane < from.planes.size(); ++plane) append(from.planes[plane], to.planes[plane]);
 }
 
-Slice without_leaves(const Slice& slice) {
-    Slice empty{slice.depth, slice.degree, {}, {}};
+QuantisedSlice without_leaves(const QuantisedSlice& slice) {
+    QuantisedSlice empty{slice.depth, slice.degree, {}, {}};
     empty.planes.resize(slice.planes.size());
     return empty;
 }
 
 // Divides a slice into blocks that the frame before has, too, of which `repeated` becomes the leaves' indices there,
 // and the rest, which it returns.
-Slice encode_repeated(const Slice& slice, const FrameBefore& frames, FrameSymbols& frame,
-                      std::vector<uint32_t>& repeated) {
-    const Slice& before = frames.decoded;
+QuantisedSlice encode_repeated(const QuantisedSlice& slice, const FrameBefore& frames, FrameSymbols& frame,
+                               std::vector<uint32_t>& repeated) {
+    const QuantisedSlice& before = frames.decoded;
     const std::vector<size_t> blocks = blocks_of(before.leaves), own = blocks_of(slice.leaves);
     std::vector<bool> repeats(blocks.size() - 1);
     std::vector<bool> is_taken(slice.leaves.size());
@@ -137,7 +139,7 @@ Slice encode_repeated(const Slice& slice, const FrameBefore& frames, FrameSymbol
         std::fill_n(is_taken.begin() + static_cast<ptrdiff_t>(own[at]), count, true);
     }
     repeated = code_repeated(frame.shape, before.leaves, &repeats);
-    Slice rest = without_leaves(slice);
+    QuantisedSlice rest = without_leaves(slice);
     for (size_t i = 0; i < slice.leaves.size(); ++i)
         if (!is_taken[i]) append_leaves(slice, i, i + 1, rest);
     return rest;
@@ -149,8 +151,8 @@ void in_one_part(size_t count, size_t /*grain*/, const std::function<void(size_t
     if (count > 0) run(0, count);
 }
 
-FrameSymbols encode(const Slice& slice, const Steps& steps, const std::optional<FrameBefore>& before, Slice& decoded,
-                    const InParts& in_parts) {
+FrameSymbols encode(const QuantisedSlice& slice, const Steps& steps, const std::optional<FrameBefore>& before,
+                    QuantisedSlice& decoded, const InParts& in_parts) {
     FrameSymbols frame;
     frame.is_key = !before;
     frame.steps = steps;
@@ -159,12 +161,12 @@ FrameSymbols encode(const Slice& slice, const Steps& steps, const std::optional<
     frame.coarse.resize(planes);
     frame.fine.resize(planes);
     std::vector<uint32_t> repeated;
-    const Slice rest = before ? encode_repeated(slice, *before, frame, repeated) : slice;
+    const QuantisedSlice rest = before ? encode_repeated(slice, *before, frame, repeated) : slice;
     if (before &&
         static_cast<double>(repeated.size()) < before->least_repeated * static_cast<double>(slice.leaves.size()))
         return encode(slice, steps, std::nullopt, decoded, in_parts);
     frame.leaf_count = static_cast<uint32_t>(rest.leaves.size());
-    Slice coded = without_leaves(slice);
+    QuantisedSlice coded = without_leaves(slice);
     if (frame.leaf_count > 0) {
         const Octree tree = octree_of(rest.leaves, rest.depth);
         code_shape(frame.shape, tree, rest.depth, frame.leaf_count);

@@ -48,8 +48,8 @@ struct FrameSymbols {
 
 // The frame before the one that is encoded: as it was, and as it is decoded.
 struct FrameBefore {
-    const Slice& slice;
-    const Slice& decoded;
+    const QuantisedSlice& slice;
+    const QuantisedSlice& decoded;
     // A frame that would repeat less than this share of its leaves is a key frame, which is decoded without any others.
     double least_repeated = 0.05;
 };
@@ -57,8 +57,8 @@ struct FrameBefore {
 // Encodes a slice, without a frame before it as a key frame. Blocks of 4³ finest cells that are the same in the frame
 // before, or differ by less than rounding does, are repeated. `decoded` becomes what decode() returns. Planes are
 // encoded `in_parts`.
-FrameSymbols encode(const Slice& slice, const Steps& steps, const std::optional<FrameBefore>& before, Slice& decoded,
-                    const InParts& in_parts = in_one_part);
+FrameSymbols encode(const QuantisedSlice& slice, const Steps& steps, const std::optional<FrameBefore>& before,
+                    QuantisedSlice& decoded, const InParts& in_parts = in_one_part);
 void count(const FrameSymbols& frame, Counts& counts);
 
 struct FrameBytes {

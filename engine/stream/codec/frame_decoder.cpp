@@ -132,15 +132,16 @@ class PlanesReader {
 
 }  // namespace
 
-Slice decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
-                    const Format& format, const Slice* before, const InParts& in_parts) {
-    Slice slice{format.depth, format.degree, shape.merged.leaves, {}};
+QuantisedSlice decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
+                             const Format& format, const QuantisedSlice* before, const InParts& in_parts) {
+    QuantisedSlice slice{format.depth, format.degree, shape.merged.leaves, {}};
     slice.planes = merge_planes(shape.merged, before ? &before->planes : nullptr,
                                 PlanesReader(shape, bytes, last, tables, format, in_parts).read());
     return slice;
 }
 
-Slice decode(const FrameBytes& frame, Part last, const Tables& tables, const Format& format, const Slice* before) {
+QuantisedSlice decode(const FrameBytes& frame, Part last, const Tables& tables, const Format& format,
+                      const QuantisedSlice* before) {
     const FrameShape shape = decode_shape(frame.parts[kShape], tables, format, before ? &before->leaves : nullptr);
     PartBytes bytes;
     for (uint32_t part = 0; part <= last; ++part) bytes[part] = frame.parts[part];

@@ -37,10 +37,11 @@ using PartBytes = std::array<std::span<const uint8_t>, kParts>;
 
 // Decodes the parts after kShape up to `last`. `before` is the frame before, decoded from as many parts; it is not read
 // where the frame repeats nothing of it. Planes of colours are decoded `in_parts`.
-Slice decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
-                    const Format& format, const Slice* before, const InParts& in_parts = in_one_part);
+QuantisedSlice decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
+                             const Format& format, const QuantisedSlice* before, const InParts& in_parts = in_one_part);
 
 // Both steps, from the bytes of all parts one after the other.
-Slice decode(const FrameBytes& frame, Part last, const Tables& tables, const Format& format, const Slice* before);
+QuantisedSlice decode(const FrameBytes& frame, Part last, const Tables& tables, const Format& format,
+                      const QuantisedSlice* before);
 
 }  // namespace neuvv::stream

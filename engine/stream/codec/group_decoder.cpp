@@ -19,7 +19,7 @@ static_assert(sizeof(NeuvvLeaf) == sizeof(neuvv::stream::Leaf) &&
 struct NeuvvGroupDecoder {
     neuvv::stream::Tables tables;
     neuvv::stream::Format format;
-    std::optional<neuvv::stream::Slice> last;  // the frame that was decoded last; none after an error
+    std::optional<neuvv::stream::QuantisedSlice> last;  // the frame that was decoded last; none after an error
     uint32_t last_parts = 0;
     std::array<char, 100> error{};
 };
@@ -38,7 +38,7 @@ PartBytes c_parts_of(std::span<const uint8_t> bytes, const uint32_t* part_bytes,
     return spans;
 }
 
-Slice decoded_next(const NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t parts) {
+QuantisedSlice decoded_next(const NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t parts) {
     const FrameShape shape =
         decode_shape(bytes[kShape], group.tables, group.format, group.last ? &group.last->leaves : nullptr);
     if (!shape.is_key && parts != group.last_parts)
@@ -73,7 +73,7 @@ int32_t neuvv_group_decode(NeuvvGroupDecoder* decoder, const uint8_t* bytes, siz
     if (!decoder) return -1;
     try {
         decoder->error = {};
-        neuvv::stream::Slice slice = neuvv::stream::decoded_next(
+        neuvv::stream::QuantisedSlice slice = neuvv::stream::decoded_next(
             *decoder, neuvv::stream::c_parts_of({bytes, byte_count}, part_bytes, parts), parts);
         decoder->last = std::move(slice);
         decoder->last_parts = parts;

@@ -43,7 +43,7 @@ struct Leaf {
     bool operator==(const Leaf&) const = default;
 };
 
-struct Slice {
+struct QuantisedSlice {
     uint32_t depth = 2;  // the finest depth that leaves may have
     uint32_t degree = 0;
     std::vector<Leaf> leaves;  // in order of their cells; they do not overlap

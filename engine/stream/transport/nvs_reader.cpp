@@ -184,11 +184,11 @@ const FrameShape& Reader::shape_of(FrameInProgress& begun) {
 }
 
 // Where the frame repeats planes of the one before, those are decoded first, by whoever comes first.
-std::shared_ptr<const Slice> Reader::slice_of(FrameInProgress& begun) {
+std::shared_ptr<const QuantisedSlice> Reader::slice_of(FrameInProgress& begun) {
     const FrameShape& shape = shape_of(begun);
     const std::lock_guard of_frame(begun.slice_mutex);
     if (begun.slice) return begun.slice;
-    const std::shared_ptr<const Slice> before = begun.before ? slice_of(*begun.before) : nullptr;
+    const std::shared_ptr<const QuantisedSlice> before = begun.before ? slice_of(*begun.before) : nullptr;
     std::array<std::vector<uint8_t>, kParts> bytes;
     PartBytes parts;
     uint64_t count = 0;
@@ -203,7 +203,7 @@ std::shared_ptr<const Slice> Reader::slice_of(FrameInProgress& begun) {
     try {
         // Of two cores, the other one draws.
         const InParts in_parts = std::thread::hardware_concurrency() > 2 ? InParts(parallel_for) : in_one_part;
-        begun.slice = std::make_shared<const Slice>(
+        begun.slice = std::make_shared<const QuantisedSlice>(
             decode_planes(shape, parts, begun.last, tables, index_.groups[begun.group].format, before.get(), in_parts));
     } catch (const std::runtime_error& problem) {
         fail(fmt::format("frame {}", begun.frame), problem.what());
@@ -223,9 +223,9 @@ void Reader::forget(uint32_t frame) {
 
 // Frames that are passed over keep the shapes of those before them as long as their planes are not decoded. So these
 // are decoded now and then.
-std::shared_ptr<const Slice> Reader::frame(uint32_t frame, Part last) {
+std::shared_ptr<const QuantisedSlice> Reader::frame(uint32_t frame, Part last) {
     std::shared_ptr<FrameInProgress> begun;
-    std::shared_ptr<const Slice> slice;
+    std::shared_ptr<const QuantisedSlice> slice;
     do {
         begun = begin_towards(frame, last, std::move(begun));
         try {

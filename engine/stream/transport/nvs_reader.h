@@ -42,7 +42,7 @@ class Reader {
     static constexpr uint64_t kKeptBytes = uint64_t{256} << 20;
     // From a server, the bytes of the frames of so many seconds behind it are fetched meanwhile.
     static constexpr double kAhead_s = 3;
-    std::shared_ptr<const Slice> frame(uint32_t frame, Part last = kShFine);
+    std::shared_ptr<const QuantisedSlice> frame(uint32_t frame, Part last = kShFine);
 
     // The last part of a frame that comes in time while the stream is played at its own speed. It is the same for all
     // frames of a group for so many seconds and twice the group's length; then it is chosen anew.
@@ -64,10 +64,10 @@ class Reader {
         uint32_t frame = 0, group = 0;
         Part last = kShFine;
         std::shared_ptr<GroupTables> tables;
-        std::mutex shape_mutex;              // guards `shape`, of which only the tree changes once it is there
-        std::optional<FrameShape> shape;     // nothing: it is not decoded yet
-        std::mutex slice_mutex;              // guards `slice` and, once the shape is there, its tree
-        std::shared_ptr<const Slice> slice;  // null: its planes are not decoded yet
+        std::mutex shape_mutex;                       // guards `shape`, of which only the tree changes once it is there
+        std::optional<FrameShape> shape;              // nothing: it is not decoded yet
+        std::mutex slice_mutex;                       // guards `slice` and, once the shape is there, its tree
+        std::shared_ptr<const QuantisedSlice> slice;  // null: its planes are not decoded yet
         // The frame before, as long as it may be needed; null of a key frame. Guarded by shape_mutex until the shape
         // is there, then by slice_mutex.
         std::shared_ptr<FrameInProgress> before;
@@ -82,7 +82,7 @@ class Reader {
     std::shared_ptr<FrameInProgress> begin_towards(uint32_t frame, Part last, std::shared_ptr<FrameInProgress> known);
     const FrameShape& shape_of(FrameInProgress& begun);
     void forget(uint32_t frame);
-    std::shared_ptr<const Slice> slice_of(FrameInProgress& begun);
+    std::shared_ptr<const QuantisedSlice> slice_of(FrameInProgress& begun);
     [[noreturn]] void fail(const std::string& place, const std::string& problem) const;
     std::filesystem::path path_;
     std::unique_ptr<ByteSource> source_;

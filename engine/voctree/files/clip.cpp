@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "base/trace_file.h"
-#include "voctree/stream_slice.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::voctree {
 
@@ -114,7 +114,7 @@ VOctree read_segment(const ClipSegment& segment, stream::Part last, PlenoctreeCo
         keep_freed_memory();  // a frame has tens of megabytes of arrays, which take as long to clear as to fill
         const FrameSlice frame = read_slice(segment, last);
         const TraceSpan span("make the tree of frame", segment.first);
-        return tree_of(*frame.slice, frame.box_min, frame.box_size, segment.stream->index().fps);
+        return tree_of(slice::values_of(*frame.slice, frame.box_min, frame.box_size), segment.stream->index().fps);
     }
     VOctree tree = read_clip(segment.file, colours, segment.up);
     require_frames(segment, tree.frames);

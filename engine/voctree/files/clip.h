@@ -46,7 +46,7 @@ inline VOctree read_shown_segment(const ClipSegment& segment, stream::Part last 
 // What a stream shows at one of its frames, decoded from its first parts, in a box in metres. Throws InputError and
 // stream::ServerProblem where the reader does.
 struct FrameSlice {
-    std::shared_ptr<const stream::Slice> slice;
+    std::shared_ptr<const stream::QuantisedSlice> slice;
     glm::vec3 box_min, box_size;
 };
 FrameSlice read_slice(const ClipSegment& frame, stream::Part last = stream::kShFine);

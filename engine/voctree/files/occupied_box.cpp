@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "base/error.h"
+#include "slice/quantise.h"
 #include "voctree/files/clip.h"
-#include "voctree/slice_values.h"
 
 namespace neuvv::voctree {
 

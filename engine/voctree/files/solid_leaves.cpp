@@ -6,8 +6,8 @@
 #include <limits>
 #include <tuple>
 
+#include "slice/quantise.h"
 #include "voctree/files/occupied_box.h"
-#include "voctree/slice_values.h"
 #include "voctree/temporal_basis.h"
 
 namespace neuvv::voctree {
@@ -61,12 +61,13 @@ SolidLeaves::SolidLeaves(const VOctree& tree) : rows_(tree.sigma_basis), bases_(
     });
 }
 
-SolidLeaves::SolidLeaves(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size) : rows_{1}, bases_(1) {
+SolidLeaves::SolidLeaves(const stream::QuantisedSlice& slice, glm::vec3 box_min, glm::vec3 box_size)
+    : rows_{1}, bases_(1) {
     const std::vector<LeafPosition> positions = leaf_positions(slice);
     std::tie(all_low_, all_high_) = occupied_box(positions, box_min, box_size);
     add(positions, box_min, box_size, [&](size_t leaf) {
-        weights_.push_back(optical_depth_of(slice.planes[stream::kOpacityPlane][leaf]) /
-                           leaf_edge_m(box_size, positions[leaf].depth));
+        weights_.push_back(slice::optical_depth_of(slice.planes[stream::kOpacityPlane][leaf]) /
+                           slice::edge_m(box_size, positions[leaf].depth));
     });
 }
 
@@ -82,7 +83,7 @@ void SolidLeaves::add(const std::vector<LeafPosition>& positions, glm::dvec3 box
             low_.push_back(static_cast<float>(low[axis]));
             high_.push_back(static_cast<float>(low[axis] + size[axis]));
         }
-        edges_m_.push_back(leaf_edge_m(glm::vec3(box_size), position.depth));
+        edges_m_.push_back(slice::edge_m(glm::vec3(box_size), position.depth));
         add_weights(i);
     }
 }

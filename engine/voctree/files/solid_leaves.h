@@ -20,7 +20,7 @@ class SolidLeaves {
   public:
     explicit SolidLeaves(const VOctree& tree);
     // Of a slice in a box, metres.
-    SolidLeaves(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size);
+    SolidLeaves(const stream::QuantisedSlice& slice, glm::vec3 box_min, glm::vec3 box_size);
 
     // The corners (low, high, metres) of the box around what is solid at a frame, 0..frames−1, fractions allowed. A
     // leaf counts by the area that it hides: its opacity along its edge times the square of the edge. Along each axis

@@ -100,7 +100,7 @@ void join_levels(const std::vector<LayoutLevel>& levels, SliceLayout& layout) {
 }
 
 // How many leaves with opacity each depth has.
-LeavesOfDepth count_leaves(const stream::Slice& slice) {
+LeavesOfDepth count_leaves(const stream::QuantisedSlice& slice) {
     LeavesOfDepth counts{};
     const int16_t* opacity = slice.planes[stream::kOpacityPlane].data();
     for (size_t i = 0; i < slice.leaves.size(); ++i) counts[slice.leaves[i].depth] += opacity[i] > 0 ? 1 : 0;
@@ -109,7 +109,7 @@ LeavesOfDepth count_leaves(const stream::Slice& slice) {
 
 }  // namespace
 
-SliceLayout slice_layout(const stream::Slice& slice, std::span<glm::uvec2> positions) {
+SliceLayout slice_layout(const stream::QuantisedSlice& slice, std::span<glm::uvec2> positions) {
     assert(positions.size() == slice.leaves.size() && slice.depth < LeavesOfDepth().size());
     SliceLayout layout;
     set_root(layout, count_leaves(slice));

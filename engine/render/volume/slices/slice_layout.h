@@ -25,6 +25,6 @@ struct SliceLayout : WalkShape {
 // The leaves must be in order, at depths from 1 to the slice's. `positions` receives for each leaf of the slice (x | y
 // << 16, z | depth << 16), and is not read. Takes about 12 ns a leaf, on one thread, because each level's nodes and
 // entries lie in the order in which the leaves come.
-SliceLayout slice_layout(const stream::Slice& slice, std::span<glm::uvec2> positions);
+SliceLayout slice_layout(const stream::QuantisedSlice& slice, std::span<glm::uvec2> positions);
 
 }  // namespace neuvv::render

@@ -9,8 +9,8 @@
 #include "base/trace_file.h"
 #include "gpu/host_copies.h"
 #include "render/volume/slices/slice_layout.h"
+#include "slice/quantise.h"
 #include "voctree/files/half.h"
-#include "voctree/slice_values.h"
 
 namespace neuvv::render {
 
@@ -25,7 +25,7 @@ class SigmaHalves {
         for (uint32_t d = 1; d <= depth; ++d)
             for (uint32_t opacity = 0; opacity < kOpacities; ++opacity)
                 halves_[d * kOpacities + opacity] = voctree::half_from_float(
-                    voctree::optical_depth_of(static_cast<int16_t>(opacity)) / voctree::leaf_edge_m(box_size, d));
+                    slice::optical_depth_of(static_cast<int16_t>(opacity)) / slice::edge_m(box_size, d));
     }
     uint16_t of(uint32_t depth, int16_t opacity) const {
         return halves_[depth * kOpacities + static_cast<uint32_t>(opacity)];
@@ -36,11 +36,23 @@ class SigmaHalves {
     std::vector<uint16_t> halves_;
 };
 
+// The coefficients k_00 of slice::colour_curves() as fp16.
+const std::array<uint16_t, slice::kColourHalves>& constant_halves() {
+    static const std::array kHalves = [] {
+        std::array<uint16_t, slice::kColourHalves> halves;
+        for (size_t i = 0; i < halves.size(); ++i)
+            halves[i] = voctree::half_from_float(slice::colour_curves().constant[i]);
+        return halves;
+    }();
+    return kHalves;
+}
+
 // Writes the entries of leaves, in blocks whose numbers are computed plane by plane, which compilers vectorise.
 class EntryWriter {
   public:
     // `to`: all entries; they are not read.
-    EntryWriter(const stream::Slice& slice, const SliceLayout& layout, const SigmaHalves& sigma, glm::uvec2* to)
+    EntryWriter(const stream::QuantisedSlice& slice, const SliceLayout& layout, const SigmaHalves& sigma,
+                glm::uvec2* to)
         : slice_(slice), layout_(layout), sigma_(sigma), functions_(sh_count(slice.degree)), to_(to) {}
 
     // Of the leaves begin…end−1.
@@ -88,16 +100,16 @@ class EntryWriter {
         }
     }
     void mean_coefficients(size_t count) {
-        const uint16_t* of_half = voctree::colour_curves().constant_halves.data();
+        const uint16_t* of_half = constant_halves().data();
         for (size_t c = 0; c < 3; ++c) {
             const float* shown = shown_[c].data();
             uint16_t *mean = mean_[c].data(), *halves = halves_[c].data();
-            for (size_t i = 0; i < count; ++i) mean[i] = static_cast<uint16_t>(voctree::colour_half(shown[i]));
+            for (size_t i = 0; i < count; ++i) mean[i] = static_cast<uint16_t>(slice::colour_half(shown[i]));
             for (size_t i = 0; i < count; ++i) halves[i] = of_half[mean[i]];
         }
     }
     void coefficients(uint32_t harmonic, size_t count) {
-        const float* per_unit = voctree::colour_curves().per_unit[voctree::degree_of_harmonic(harmonic)].data();
+        const float* per_unit = slice::colour_curves().per_unit[slice::degree_of_harmonic(harmonic)].data();
         for (size_t c = 0; c < 3; ++c) {
             float* shown = shown_[c].data();
             const uint16_t* mean = mean_[c].data();
@@ -107,7 +119,7 @@ class EntryWriter {
         }
     }
 
-    const stream::Slice& slice_;
+    const stream::QuantisedSlice& slice_;
     const SliceLayout& layout_;
     const SigmaHalves& sigma_;
     const uint32_t functions_;
@@ -118,7 +130,7 @@ class EntryWriter {
     std::array<glm::uvec2, kMaxShCount * kBlock> words_;  // harmonic after harmonic
 };
 
-void write_entries(const stream::Slice& slice, const SliceLayout& layout, glm::vec3 box_size, glm::uvec2* to) {
+void write_entries(const stream::QuantisedSlice& slice, const SliceLayout& layout, glm::vec3 box_size, glm::uvec2* to) {
     const TraceSpan span("write the entries of a slice");
     const uint32_t functions = sh_count(slice.degree);
     for (const SliceLayout::NodeEntry& one : layout.node_entries) {
@@ -130,7 +142,7 @@ void write_entries(const stream::Slice& slice, const SliceLayout& layout, glm::v
                  [&](size_t begin, size_t end) { EntryWriter(slice, layout, sigma, to).write(begin, end); });
 }
 
-void write_entry_leaves(const stream::Slice& slice, const SliceLayout& layout, uint32_t* to) {
+void write_entry_leaves(const stream::QuantisedSlice& slice, const SliceLayout& layout, uint32_t* to) {
     for (const SliceLayout::NodeEntry& one : layout.node_entries) to[one.entry] = kNoLeaf;
     for (uint32_t i = 0; i < slice.leaves.size(); ++i)
         if (layout.entry_of_leaf[i] != kNoLeaf)
@@ -139,7 +151,8 @@ void write_entry_leaves(const stream::Slice& slice, const SliceLayout& layout, u
 
 }  // namespace
 
-Field upload_slice(const gpu::Device& device, const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size) {
+Field upload_slice(const gpu::Device& device, const stream::QuantisedSlice& slice, glm::vec3 box_min,
+                   glm::vec3 box_size) {
     const TraceSpan span("upload a slice");
     gpu::Uploads uploads(device);
     Field field;

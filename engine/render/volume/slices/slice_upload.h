@@ -15,6 +15,7 @@ constexpr uint64_t slice_bytes_per_leaf(uint32_t degree) {
 // The slice, as a decoder returns it, in a box in metres: a field of one frame with Field::slice and without weights.
 // It can be drawn and picked in, but neither painted, nor drawn by the direct path. Leaves without opacity are left
 // out. Throws RuntimeFailure where the device lacks memory or a limit is exceeded.
-Field upload_slice(const gpu::Device& device, const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size);
+Field upload_slice(const gpu::Device& device, const stream::QuantisedSlice& slice, glm::vec3 box_min,
+                   glm::vec3 box_size);
 
 }  // namespace neuvv::render

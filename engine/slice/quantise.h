@@ -1,21 +1,25 @@
-// What the whole numbers of a slice stand for (stream/README.md, "Planes").
+// Slices as the whole numbers that a stream has of them, and back (stream/README.md, "Planes").
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <vector>
+#include <glm/glm.hpp>
 
-#include "shared/hh_counts.h"
+#include "slice/slice.h"
 #include "stream/codec/quantised_slice.h"
-#include "voctree/slice_paint.h"
-#include "voctree/voctree.h"
 
-namespace neuvv::voctree {
+namespace neuvv::slice {
 
-// Where the leaves of a slice lie, in its order.
-std::vector<LeafPosition> leaf_positions(const stream::Slice& slice);
+// Leaves of less opacity along their edge would be 0 in whole numbers.
+constexpr float kLeastOpacity = 0.5f / stream::kUnit;
 
-// The optical depth along the edge of a leaf, by its opacity, 0 to stream::kUnit.
+// Every opacity of the leaves must be at least kLeastOpacity.
+stream::QuantisedSlice quantised(const Slice& slice);
+
+// `box_min`, `box_size`: metres. Opacities must be 0 to stream::kUnit.
+Slice values_of(const stream::QuantisedSlice& slice, glm::vec3 box_min, glm::vec3 box_size);
+
+// What single numbers stand for. The optical depth along the edge of a leaf, by its opacity, 0 to stream::kUnit:
 float optical_depth_of(int16_t opacity);
 
 // By twice the sRGB of a channel's mean colour, in units of 1 / stream::kUnit, as that may have halves: the coefficient
@@ -23,7 +27,6 @@ float optical_depth_of(int16_t opacity);
 constexpr size_t kColourHalves = 2 * stream::kUnit + 1;
 struct ColourCurves {
     std::array<float, kColourHalves> constant;
-    std::array<uint16_t, kColourHalves> constant_halves;  // the same as fp16
     std::array<std::array<float, kColourHalves>, kMaxHhDegree + 1> per_unit;
 };
 const ColourCurves& colour_curves();
@@ -33,16 +36,8 @@ inline size_t colour_half(float units) {
     return static_cast<size_t>(2 * units < 0 ? 0 : 2 * units > kLast ? kLast : 2 * units);
 }
 
-// The colours of a leaf: sigmoid(Σ k_lm Y_lm(d)) is linear light.
-LeafColours colours_of(const stream::Slice& slice, size_t leaf);
-// The inverse, rounded: sets the leaf's planes but that of the opacity.
-void set_colours(const LeafColours& k, size_t leaf, stream::Slice& slice);
-
 constexpr uint32_t degree_of_harmonic(uint32_t harmonic) {
     return harmonic == 0 ? 0 : harmonic < 4 ? 1 : harmonic < 9 ? 2 : 3;
 }
 
-// The nearest whole number of units, between −4 and 4.
-int16_t units_of(float value);
-
-}  // namespace neuvv::voctree
+}  // namespace neuvv::slice

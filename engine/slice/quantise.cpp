@@ -1,21 +1,22 @@
-#include "voctree/slice_values.h"
+#include "slice/quantise.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "base/sigmoid.h"
+#include "base/threads/parallel.h"
 #include "media/image.h"
-#include "voctree/files/half.h"
-#include "voctree/sigmoid.h"
 
-namespace neuvv::voctree {
+namespace neuvv::slice {
 
 namespace {
 
 // Colours and opacities that are coded as 0 or 1 are a little more or less.
 constexpr float kMargin = 0.5f / stream::kUnit;
 constexpr float kLeastSlope = 0.02f;
+constexpr size_t kLeavesOfPart = 4096;
 
 float srgb_of(float linear) {
     return static_cast<float>(media::srgb_from_linear(double{linear}));
@@ -36,14 +37,6 @@ float slope_of(float srgb, uint32_t l) {
 
 }  // namespace
 
-std::vector<LeafPosition> leaf_positions(const stream::Slice& slice) {
-    std::vector<LeafPosition> positions;
-    positions.reserve(slice.leaves.size());
-    for (const stream::Leaf& leaf : slice.leaves)
-        positions.push_back(position_of(leaf.cell >> 3 * (slice.depth - leaf.depth), leaf.depth));
-    return positions;
-}
-
 float optical_depth_of(int16_t opacity) {
     static const std::vector<float> kDepths = [] {
         std::vector<float> depths;
@@ -61,7 +54,6 @@ const ColourCurves& colour_curves() {
             const float srgb = std::clamp(static_cast<float>(half) / (2 * stream::kUnit), kMargin, 1 - kMargin);
             const float linear = linear_of(srgb);
             curves.constant[half] = std::log(linear / (1 - linear)) / kMeanHarmonic;
-            curves.constant_halves[half] = half_from_float(curves.constant[half]);
             for (uint32_t l = 0; l < curves.per_unit.size(); ++l)
                 curves.per_unit[l][half] = 1 / (stream::kUnit * slope_of(srgb, l));
         }
@@ -70,9 +62,11 @@ const ColourCurves& colour_curves() {
     return kCurves;
 }
 
-LeafColours colours_of(const stream::Slice& slice, size_t leaf) {
+namespace {
+
+Colours colours_of(const stream::QuantisedSlice& slice, size_t leaf) {
     const ColourCurves& curves = colour_curves();
-    LeafColours k{};
+    Colours k{};
     std::array<size_t, 3> halves{};
     for (uint32_t i = 0; i < sh_count(slice.degree); ++i) {
         const auto value = [&](uint32_t plane) { return static_cast<float>(slice.planes[plane + 3 * i][leaf]); };
@@ -87,11 +81,13 @@ LeafColours colours_of(const stream::Slice& slice, size_t leaf) {
     return k;
 }
 
+// The nearest whole number of units, between −4 and 4.
 int16_t units_of(float value) {
     return static_cast<int16_t>(std::lround(std::clamp(value, -4.0f, 4.0f) * stream::kUnit));
 }
 
-void set_colours(const LeafColours& k, size_t leaf, stream::Slice& slice) {
+// The inverse of colours_of, rounded.
+void set_colours(const Colours& k, size_t leaf, stream::QuantisedSlice& slice) {
     std::array<float, 3> srgb;
     for (size_t c = 0; c < 3; ++c) srgb[c] = srgb_of(sigmoid(k[c][0] * kMeanHarmonic));
     for (uint32_t i = 0; i < sh_count(slice.degree); ++i) {
@@ -104,4 +100,36 @@ void set_colours(const LeafColours& k, size_t leaf, stream::Slice& slice) {
     }
 }
 
-}  // namespace neuvv::voctree
+}  // namespace
+
+stream::QuantisedSlice quantised(const Slice& slice) {
+    stream::QuantisedSlice whole{slice.depth, slice.degree, {}, {}};
+    whole.leaves.resize(slice.leaves.size());
+    whole.planes.resize(stream::planes_of(slice.degree));
+    for (auto& plane : whole.planes) plane.resize(slice.leaves.size());
+    parallel_for(slice.leaves.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            const Leaf& leaf = slice.leaves[i];
+            whole.leaves[i] = {leaf.cell, leaf.depth};
+            whole.planes[stream::kOpacityPlane][i] = units_of(slice.opacity(leaf));
+            set_colours(leaf.colours, i, whole);
+        }
+    });
+    return whole;
+}
+
+Slice values_of(const stream::QuantisedSlice& slice, glm::vec3 box_min, glm::vec3 box_size) {
+    Slice values{box_min, box_size, slice.depth, slice.degree, {}};
+    values.leaves.resize(slice.leaves.size());
+    parallel_for(slice.leaves.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            Leaf& leaf = values.leaves[i];
+            leaf = {slice.leaves[i].cell, slice.leaves[i].depth, 0, colours_of(slice, i), 0};
+            leaf.sigma = optical_depth_of(slice.planes[stream::kOpacityPlane][i]) / values.edge_m(leaf);
+            leaf.shown = values.shown_alone(leaf);
+        }
+    });
+    return values;
+}
+
+}  // namespace neuvv::slice

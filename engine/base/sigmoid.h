@@ -4,7 +4,7 @@
 #include <cmath>
 #include <concepts>
 
-namespace neuvv::voctree {
+namespace neuvv {
 
 // In (0, 1); 0 or 1 where x is so far from 0 that the value rounds to them.
 template <std::floating_point Number>
@@ -12,4 +12,4 @@ Number sigmoid(Number x) {
     return 1 / (1 + std::exp(-x));
 }
 
-}  // namespace neuvv::voctree
+}  // namespace neuvv
