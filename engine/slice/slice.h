@@ -43,6 +43,9 @@ struct Slice {
 // The mean of the three edges of a cell of this octree depth, metres. `box_size`: of the root, metres.
 float edge_m(glm::vec3 box_size, uint32_t depth);
 
+// The depth of its finest leaves; 1 where there are none.
+uint32_t finest_depth(const Slice& slice);
+
 // What is wrong with a slice, or an empty string: leaves that are not in order, overlap, or are finer than its depth;
 // a depth or degree out of bounds; numbers that are not finite, and densities below 0.
 std::string defect_of(const Slice& slice);

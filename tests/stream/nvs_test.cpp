@@ -242,7 +242,9 @@ TEST_F(NvsTest, IsAClipOfItsFrames) {
     const voctree::ClipIndex index = voctree::read_clip_index(path);
     EXPECT_EQ(index.fps, 12.5f);
     EXPECT_EQ(index.frames(), 7u);
-    EXPECT_TRUE(voctree::is_stream(index));
+    ASSERT_TRUE(index.plays_by_frame());
+    EXPECT_EQ(index.plays_by_frame()->degree, tree.hh_degree);
+    EXPECT_LE(index.plays_by_frame()->leaves, tree.leaf_count);
     const voctree::VOctree shown = voctree::read_segment(index.segments[5]);
     EXPECT_EQ(voctree::defect_of(shown), "");
     EXPECT_EQ(shown.frames, 1u);

@@ -43,8 +43,10 @@ void slice_once(const gpu::Device& device, const render::Field& field) {
 }
 
 void measure_frame(const gpu::Device& device, const voctree::ClipSegment& frame, StreamTimes& times) {
-    voctree::FrameSlice read;
-    times.decode.push_back(core_ms_of([&] { read = voctree::read_slice(frame); }));
+    voctree::SegmentContent content;
+    times.decode.push_back(core_ms_of(
+        [&] { content = frame.source->content(frame, stream::kShFine, voctree::PlenoctreeColours::kAsStored); }));
+    const auto& read = std::get<voctree::FrameSlice>(content);
     const uint64_t before = device.buffer_bytes();
     render::Field field;
     times.upload.push_back(
@@ -74,7 +76,7 @@ StreamTimes measure(const gpu::Device& device, const voctree::ClipIndex& clip, c
 void run_stream(const StreamOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::ClipIndex clip = voctree::read_clip_index(options.scene);
-    if (!voctree::is_stream(clip)) throw InputError(options.scene, "", "is no stream", "`neuvv publish` makes one");
+    if (!clip.plays_by_frame()) throw InputError(options.scene, "", "is no stream", "`neuvv publish` makes one");
     const gpu::Device device(common.device);
     const StreamTimes times = measure(device, clip, options);
     expect_not_stopped();

@@ -158,7 +158,7 @@ void print(const training::Evaluation& evaluation, const training::Dataset& data
 
 // The steps from frame to frame over which a segment gives way to the next: where there is no overlap, a single one.
 std::vector<size_t> cuts_of(const voctree::ClipIndex& clip) {
-    if (voctree::is_stream(clip)) return {};
+    if (clip.plays_by_frame()) return {};
     std::set<size_t> steps;
     for (size_t i = 1; i < clip.segments.size(); ++i)
         for (size_t step = 0; step <= voctree::fade_frames(clip, i - 1); ++step)

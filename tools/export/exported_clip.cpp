@@ -10,6 +10,7 @@
 #include "stage/evaluated_stage.h"
 #include "stage/time_map.h"
 #include "tools/options.h"
+#include "voctree/coarse.h"
 #include "voctree/tree_slice.h"
 
 namespace neuvv::tools {
@@ -88,6 +89,11 @@ ExportedClip::Pose ExportedClip::pose_at(uint32_t frame) const {
     return pose;
 }
 
+ExportedClip::Segment::Segment(const PublishedScene& scene, const voctree::ClipSegment& segment)
+    : content(segment.source->content(segment, stream::kShFine, voctree::PlenoctreeColours::kLinear)) {
+    if (const auto* tree = std::get_if<voctree::VOctree>(&content)) paint = read_segment_layers(scene, segment, *tree);
+}
+
 ExportedClip::Shown ExportedClip::shown(uint32_t frame) {
     const voctree::SegmentFrame at = voctree::segment_frame(scene_.index, pose_at(frame).frame);
     if (!segment_ || segment_index_ != at.segment) {
@@ -98,16 +104,23 @@ ExportedClip::Shown ExportedClip::shown(uint32_t frame) {
     return {*segment_, double{at.frame}};
 }
 
-voctree::VOctree ExportedClip::still(uint32_t frame) {
-    return voctree::tree_of(slice_of(frame), shown(frame).segment.tree.fps);
-}
-
 slice::Slice ExportedClip::slice_of(uint32_t frame) {
     const auto& [segment, at] = shown(frame);
     const Pose pose = pose_at(frame);
-    slice::Slice slice = voctree::slice_of(segment.tree, at, segment.paint.steps);
+    slice::Slice slice = voctree::slice_at(segment.content, at, segment.paint.steps);
     if (pose.hidden) slice.leaves.clear();
     return slice::scaled(std::move(slice), pose.scale, pose.shift);
+}
+
+voctree::VOctree ExportedClip::still(uint32_t frame) {
+    const slice::Slice slice = slice_of(frame);
+    return voctree::tree_of(slice::values_of(slice::quantised(slice), slice.box_min, slice.box_size), scene_.index.fps);
+}
+
+uint32_t ExportedClip::finest_depth(uint32_t frame) {
+    const auto& [segment, at] = shown(frame);
+    if (const auto* tree = std::get_if<voctree::VOctree>(&segment.content)) return voctree::finest_depth(*tree);
+    return slice::finest_depth(voctree::slice_at(segment.content, at));
 }
 
 }  // namespace neuvv::tools

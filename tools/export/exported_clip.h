@@ -5,10 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "slice/slice.h"
 #include "tools/publish/published_scene.h"
-#include "voctree/files/clip.h"
 #include "voctree/files/world_frame.h"
+#include "voctree/kinds/clip_source.h"
 
 namespace neuvv::tools {
 
@@ -32,23 +31,14 @@ class ExportedClip {
     };
     Frames frames_in(const std::string& range) const;
 
-    // The segment that holds a frame, with its paint. It lasts until a frame of another one is asked for. Throws
-    // InputError.
-    struct Segment {
-        Segment(const PublishedScene& scene, const voctree::ClipSegment& segment)
-            : from(segment), tree(voctree::read_segment(segment)), paint(read_segment_layers(scene, segment, tree)) {}
-        voctree::ClipSegment from;
-        voctree::VOctree tree;
-        SegmentLayers paint;
-    };
-    const Segment& segment_of(uint32_t frame) { return shown(frame).segment; }
-
-    // A frame with its paint, as a tree of one frame and as leaves. Both throw as segment_of() does. In a stage, they
-    // have its lengths and are still to be turned about the origin by rotation(). Throws InputError where the performer
-    // is stretched, sheared or mirrored.
-    voctree::VOctree still(uint32_t frame);
+    // A frame with its paint, as a slice, and as a tree of one frame that shows what a stream would. In a stage, they
+    // have its lengths and are still to be turned about the origin by rotation(). Both throw InputError where the
+    // segment or its paint cannot be read, or the performer is stretched, sheared or mirrored.
     slice::Slice slice_of(uint32_t frame);
+    voctree::VOctree still(uint32_t frame);
     glm::dquat rotation(uint32_t frame) const { return pose_at(frame).rotation; }
+    // The depth of the finest leaves that the frame's segment has at any time. Throws as slice_of().
+    uint32_t finest_depth(uint32_t frame);
 
     // Where frames are in the coordinates of the capture; in a stage, the stage's own coordinates count.
     const voctree::WorldFrame& capture() const { return capture_; }
@@ -56,6 +46,12 @@ class ExportedClip {
     bool is_hidden(uint32_t frame) const { return pose_at(frame).hidden; }
 
   private:
+    // One that was read, with its paint.
+    struct Segment {
+        Segment(const PublishedScene& scene, const voctree::ClipSegment& segment);
+        voctree::SegmentContent content;
+        SegmentLayers paint;
+    };
     struct Shown {
         const Segment& segment;
         double frame;  // of the segment

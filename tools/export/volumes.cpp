@@ -50,7 +50,7 @@ class VolumeExport : public FrameExport {
 
 slice::Slice VolumeExport::volume_of(uint32_t frame) {
     // Voxels have one size in all frames of a segment.
-    vdb_.depth = voctree::finest_depth(clip_.segment_of(frame).tree);
+    vdb_.depth = clip_.finest_depth(frame);
     if (options_.iso) vdb_.surface_opacity = static_cast<float>(*options_.iso);
     return clip_.slice_of(frame);
 }

@@ -16,6 +16,7 @@
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "base/threads/parallel.h"
+#include "stream/transport/nvs_reader.h"
 #include "stream/transport/nvs_writer.h"
 #include "tools/commands.h"
 #include "tools/compared_views.h"

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/nvpaint.h"
+#include "voctree/kinds/clip_source.h"
 
 namespace neuvv::editor {
 
@@ -101,9 +102,7 @@ std::shared_ptr<const voctree::EditLayer> PaintSession::layer() const {
 ReadPerformer read_performer(const PaintPlace& place, std::shared_ptr<const PaintClip> clip,
                              std::span<const std::filesystem::path> layers) {
     const voctree::ClipSegment& segment = place.segment();
-    if (segment.stream)
-        throw InputError(segment.stream->path().string(), "", "is a stream, which cannot be painted",
-                         "paint the clip that it was published from");
+    segment.source->expect_paintable();
     ReadPerformer read;
     read.clip = clip ? std::move(clip) : std::make_shared<const PaintClip>(voctree::read_segment(segment));
     for (const std::filesystem::path& layer : layers)

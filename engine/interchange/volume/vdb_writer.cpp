@@ -38,13 +38,6 @@ openvdb::Vec3s mean_colour(const slice::Leaf& leaf, uint32_t degree) {
     return mean;
 }
 
-// The finest depth at which the frame has leaves.
-uint32_t finest_depth(const slice::Slice& volume) {
-    uint32_t finest = 1;
-    for (const slice::Leaf& leaf : volume.leaves) finest = std::max(finest, leaf.depth);
-    return finest;
-}
-
 openvdb::math::Transform::Ptr transform_of(const slice::Slice& volume, uint32_t depth) {
     const glm::dvec3 edges = glm::dvec3(volume.box_size) / std::exp2(depth);
     const glm::dvec3 centre = glm::dvec3(volume.box_min) + 0.5 * edges;
@@ -170,7 +163,7 @@ bool has_cubic_cells(const slice::Slice& volume) {
 
 std::string vdb_bytes(const slice::Slice& volume, const VdbOptions& options) {
     openvdb::initialize();
-    const Grids grids = fill(volume, options.depth > 0 ? options.depth : finest_depth(volume));
+    const Grids grids = fill(volume, options.depth > 0 ? options.depth : slice::finest_depth(volume));
     std::vector<openvdb::GridBase::Ptr> all = {grids.density, grids.colour};
     if (options.surface_opacity) all.push_back(surface_of(*grids.density, *options.surface_opacity));
     if (options.rotation != glm::dquat(1, 0, 0, 0))

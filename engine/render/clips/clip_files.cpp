@@ -6,7 +6,8 @@
 
 #include "base/error.h"
 #include "base/trace_file.h"
-#include "voctree/files/nvv.h"
+#include "stream/transport/byte_source.h"
+#include "stream/transport/ladder.h"
 
 namespace neuvv::render {
 
@@ -14,8 +15,7 @@ ClipFiles::~ClipFiles() {
     {
         const std::lock_guard lock(mutex_);
         stop_ = true;
-        for (const auto& [file, stream] : being_read_)
-            if (stream) stream->cancel();
+        for (const auto& [file, source] : being_read_) source->cancel();
     }
     changed_.notify_all();
     for (std::thread& thread : threads_) thread.join();
@@ -29,7 +29,7 @@ std::shared_ptr<const LoadedClip> ClipFiles::find_locked(const std::filesystem::
 }
 
 std::shared_ptr<const LoadedClip> ClipFiles::find(const voctree::ClipSegment& segment) {
-    const FileStamp stamp = stamp_of(segment);
+    const FileStamp stamp = segment.source->stamp(segment);
     const std::lock_guard lock(mutex_);
     return find_locked(segment.file, stamp);
 }
@@ -41,7 +41,7 @@ std::shared_ptr<const LoadedClip> ClipFiles::begin_reading(const voctree::ClipSe
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return !being_read_.contains(segment.file); });
     if (auto known = find_locked(segment.file, stamp)) return known;
-    being_read_.emplace(segment.file, segment.stream);
+    being_read_.emplace(segment.file, segment.source);
     return nullptr;
 }
 
@@ -57,7 +57,7 @@ void ClipFiles::end_reading(const voctree::ClipSegment& segment, const std::shar
 }
 
 std::shared_ptr<const LoadedClip> ClipFiles::read_once(const voctree::ClipSegment& segment) {
-    const FileStamp stamp = stamp_of(segment);
+    const FileStamp stamp = segment.source->stamp(segment);
     if (auto known = begin_reading(segment, stamp)) return known;
     try {
         const TraceSpan span("read a segment of frame", segment.first);
@@ -76,8 +76,8 @@ std::shared_ptr<const LoadedClip> ClipFiles::read_once(const voctree::ClipSegmen
 bool ClipFiles::wait_for_others() {
     std::unique_lock lock(mutex_);
     std::vector<std::filesystem::path> others;
-    for (const auto& [file, stream] : being_read_)
-        if (!stream || !stream::is_address(stream->path())) others.push_back(file);
+    for (const auto& [file, source] : being_read_)
+        if (!source->has_server()) others.push_back(file);
     changed_.wait_for(lock, std::chrono::seconds(1), [&] {
         return std::ranges::none_of(others, [&](const auto& file) { return being_read_.contains(file); });
     });
@@ -152,25 +152,18 @@ void ClipFiles::add_result(Result result) {
     results_.push_back(std::move(result));
 }
 
-// Nothing where the file has no coarse tree, or cannot be read: reading the whole tree says what is wrong.
 void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
-    if (segment.stream) return;
-    const FileStamp stamp = stamp_of(segment);
-    try {
-        const auto tree = voctree::read_nvv_coarse(segment.file);
-        if (!tree || tree->frames != segment.frames_of_file()) return;
-        UploadedSegment coarse{upload_field(device_, *tree, WeightPrecision::kHalf), {}, nullptr};
-        if (solid_ == SolidParts::kYes) coarse.solid = std::make_shared<const voctree::SolidLeaves>(*tree);
-        auto clip = std::make_shared<const LoadedClip>(LoadedClip{std::move(coarse), segment.file, stamp});
-        add_result({segment.file, stamp, std::move(clip), "", true, {}});
-    } catch (const InputError&) {
-    }
+    const FileStamp stamp = segment.source->stamp(segment);
+    std::optional<UploadedSegment> coarse = upload_coarse(device_, segment, solid_);
+    if (!coarse) return;
+    auto clip = std::make_shared<const LoadedClip>(LoadedClip{std::move(*coarse), segment.file, stamp});
+    add_result({segment.file, stamp, std::move(clip), "", true, {}});
 }
 
 // Returns false, and does nothing, where all of the frame comes in time, or is there.
 bool ClipFiles::read_in_time(const voctree::ClipSegment& segment) {
-    const FileStamp stamp = stamp_of(segment);
-    const stream::Part last = segment.stream->part_in_time(segment.first);
+    const FileStamp stamp = segment.source->stamp(segment);
+    const stream::Part last = segment.source->part_in_time(segment);
     if (last == stream::kShFine || begin_reading(segment, stamp)) return false;
     if (has_result(segment)) {  // it was still wanted when another thread had just read it
         end_reading(segment, nullptr);
@@ -190,9 +183,9 @@ bool ClipFiles::read_in_time(const voctree::ClipSegment& segment) {
 }
 
 void ClipFiles::read_one_ahead(const Wanted& wanted) {
-    const FileStamp stamp = stamp_of(wanted.segment);
+    const FileStamp stamp = wanted.segment.source->stamp(wanted.segment);
     try {
-        if (wanted.in_time && wanted.segment.stream && read_in_time(wanted.segment)) return;
+        if (wanted.in_time && read_in_time(wanted.segment)) return;
         if (wanted.is_urgent && !find(wanted.segment)) read_coarse(wanted.segment);
         const std::shared_ptr<const LoadedClip> clip = read_once(wanted.segment);
         add_result({wanted.segment.file, stamp, clip, {}, false, read_paints(wanted.segment, *clip, wanted.layers)});
@@ -215,24 +208,24 @@ void ClipFiles::pause() {
     changed_.wait_for(lock, std::chrono::seconds(1), [this] { return stop_; });
 }
 
-std::deque<ClipFiles::Wanted>::iterator ClipFiles::next_locked(bool streams) {
-    const auto is_taken = [&](const voctree::ClipSegment& segment) {
-        return streams ? segment.stream != nullptr : !segment.stream || !stream::is_address(segment.stream->path());
+std::deque<ClipFiles::Wanted>::iterator ClipFiles::next_locked(bool frames) {
+    const auto is_taken = [&](const voctree::ClipSource& source) {
+        return frames ? source.plays_by_frame().has_value() : !source.has_server();
     };
     return std::find_if(wanted_.begin(), wanted_.end(), [&](const Wanted& one) {
-        return !being_read_.contains(one.segment.file) && is_taken(one.segment);
+        return !being_read_.contains(one.segment.file) && is_taken(*one.segment.source);
     });
 }
 
-void ClipFiles::run(bool streams) {
-    name_trace_thread(streams ? "reads streams" : "reads files");
+void ClipFiles::run(bool frames) {
+    name_trace_thread(frames ? "reads frames" : "reads files");
     for (;;) {
         Wanted next;
         {
             std::unique_lock lock(mutex_);
-            changed_.wait(lock, [&] { return stop_ || next_locked(streams) != wanted_.end(); });
+            changed_.wait(lock, [&] { return stop_ || next_locked(frames) != wanted_.end(); });
             if (stop_) return;
-            const auto chosen = next_locked(streams);
+            const auto chosen = next_locked(frames);
             next = std::move(*chosen);
             wanted_.erase(chosen);
         }

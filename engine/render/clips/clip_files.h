@@ -1,6 +1,6 @@
 // Clip files: brings the files of clips from the disk to the device, at once or ahead of time on threads of its own:
-// one for all but what comes from servers, and stream::frames_at_once() that read only frames of streams, several at
-// the same time, so that no file waits for a server.
+// one for all but what comes from servers, and stream::frames_at_once() that read only clips that play by frame,
+// several frames at the same time, so that no file waits for a server.
 #pragma once
 
 #include <condition_variable>
@@ -89,8 +89,8 @@ class ClipFiles {
     void add_result(Result result);
     void pause();
     // The next that is wanted and nobody reads.
-    std::deque<Wanted>::iterator next_locked(bool streams);
-    void run(bool streams);
+    std::deque<Wanted>::iterator next_locked(bool frames);
+    void run(bool frames);
     const gpu::Device& device_;
     const SolidParts solid_;
     std::mutex mutex_;  // guards all that follows
@@ -103,7 +103,7 @@ class ClipFiles {
     };
     std::vector<KnownPaint> known_paints_;  // all that are in use
     std::deque<Wanted> wanted_;
-    std::map<std::filesystem::path, std::shared_ptr<stream::Reader>> being_read_;  // null: of a file
+    std::map<std::filesystem::path, std::shared_ptr<const voctree::ClipSource>> being_read_;
     std::vector<Result> results_;
     bool stop_ = false;
     std::vector<std::thread> threads_;  // begin with the first that is wanted

@@ -47,7 +47,7 @@ void ClipPreload::read(const std::filesystem::path& clip) {
             return read_segment(segment);
         } catch (const InputError&) {
             const bool is_last = &segment == &index.segments.back();
-            if (is_last || segment.stream) throw;
+            if (is_last || segment.source->plays_by_frame()) throw;
         }
 }
 
@@ -55,7 +55,7 @@ void ClipPreload::read_segment(const voctree::ClipSegment& segment) {
     {
         const std::lock_guard lock(mutex_);
         if (stop_) throw RuntimeFailure("not wanted any more");
-        waits_for_ = segment.stream;
+        waits_for_ = segment.source;
     }
     kept_.push_back(files_->read(segment));
     const std::lock_guard lock(mutex_);

@@ -43,7 +43,7 @@ class ClipPreload {
     std::atomic<bool> done_ = false;
     std::mutex mutex_;  // guards what follows
     bool stop_ = false;
-    std::shared_ptr<stream::Reader> waits_for_;
+    std::shared_ptr<const voctree::ClipSource> waits_for_;
     std::thread thread_;  // the last member, because the thread uses all of the above
 };
 

@@ -30,7 +30,7 @@ StageAssets StageLoader::load(const stage::Stage& stage, const Loaded& loaded) {
 }
 
 const StageLoader::KnownHeader& StageLoader::header_of(const voctree::ClipSegment& segment) {
-    const FileStamp stamp = stamp_of(segment);
+    const FileStamp stamp = segment.source->stamp(segment);
     if (const auto known = headers_.find(segment.file); known != headers_.end() && known->second.stamp == stamp)
         return known->second;
     KnownHeader header{stamp, {}, {}};

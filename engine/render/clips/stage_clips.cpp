@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/seconds.h"
+#include "stream/transport/byte_source.h"
 
 namespace neuvv::render {
 
@@ -25,12 +26,11 @@ const LoadedClip* drawn(const ClipOnDevice::Segment& segment) {
 
 // How many segments of a clip are on the device at once.
 uint32_t room_of(const ClipOnDevice& clip) {
-    if (!voctree::is_stream(clip.index)) return kSegmentsOnDevice;
-    uint64_t most = 1;
-    for (const stream::Group& group : clip.index.segments[0].stream->index().groups)
-        most = std::max(most, group.format.most_leaves * slice_bytes_per_leaf(group.format.degree));
+    const std::optional<voctree::FrameBound> bound = clip.index.plays_by_frame();
+    if (!bound) return kSegmentsOnDevice;
+    const uint64_t bytes = std::max<uint64_t>(bound->leaves * slice_bytes_per_leaf(bound->degree), 1);
     return static_cast<uint32_t>(
-        std::clamp<uint64_t>(kStreamBytesOnDevice / most, kLeastStreamFrames, kMostStreamFrames));
+        std::clamp<uint64_t>(kStreamBytesOnDevice / bytes, kLeastStreamFrames, kMostStreamFrames));
 }
 
 bool contains(const auto& list, const auto& one) {
@@ -91,7 +91,7 @@ std::vector<const Field*> StageClips::fields() const {
 uint32_t StageClips::usual_fields() const {
     uint32_t fields = 0;
     for (const ClipOnDevice& clip : clips_)
-        if (!voctree::is_stream(clip.index))
+        if (!clip.index.plays_by_frame())
             fields += std::min(static_cast<uint32_t>(clip.segments.size()), room_of(clip));
     return fields;
 }
@@ -178,7 +178,9 @@ void StageClips::take(const Id& id, std::shared_ptr<const LoadedClip> loaded, Cl
 void StageClips::take_results() {
     for (const ClipFiles::Result& result : files_->take_results()) {
         const auto found = ids_.find(result.file);
-        if (found == ids_.end() || result.stamp != stamp_of(file_of(found->second[0]))) continue;
+        if (found == ids_.end()) continue;
+        const voctree::ClipSegment& file = file_of(found->second[0]);
+        if (result.stamp != file.source->stamp(file)) continue;
         for (const Id& id : found->second) {
             ClipOnDevice::Segment& segment = at(id);
             if (segment.loaded) continue;
@@ -226,11 +228,11 @@ std::vector<StageClips::Id> StageClips::ahead_of(const stage::Stage& stage,
     std::vector<Id> ahead;
     double step_s = kAheadStep_s, until_s = 0;
     for (const ClipOnDevice& clip : clips_) {
-        const bool is_stream = voctree::is_stream(clip.index);
+        const bool by_frame = clip.index.plays_by_frame().has_value();
         const double frame_s = 1 / double{clip.index.fps};
-        if (is_stream) step_s = std::min(step_s, frame_s);
-        // Of a stream, no more than there is room for.
-        until_s = std::max(until_s, is_stream ? std::min(kAhead_s, room_of(clip) * frame_s) : kAhead_s);
+        if (by_frame) step_s = std::min(step_s, frame_s);
+        // Of frames, no more than there is room for.
+        until_s = std::max(until_s, by_frame ? std::min(kAhead_s, room_of(clip) * frame_s) : kAhead_s);
     }
     step_s = std::max(step_s, kLeastStep_s);
     for (double after_s = step_s; after_s <= until_s; after_s += step_s)
@@ -283,7 +285,7 @@ void StageClips::drop_all_but(const std::set<Id>& kept) {
 // their time than what they show, but not one that is still to come.
 void StageClips::show_late_frames(const stage::EvaluatedStage& evaluated) {
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
-        if (!performer.visible || !voctree::is_stream(clips_[performer.clip].index)) continue;
+        if (!performer.visible || !clips_[performer.clip].index.plays_by_frame()) continue;
         const Id wanted = wanted_by(performer).id;
         const auto away = [&](const Id& id) { return std::abs(int64_t{id.segment} - int64_t{wanted.segment}); };
         const auto is_to_come = [&](const Id& id) {
@@ -335,7 +337,7 @@ std::vector<ClipFiles::Wanted> StageClips::wanted_of(const std::vector<Id>& need
     std::vector<ClipFiles::Wanted> wanted;
     const auto add = [&](const Id& id, bool is_urgent, bool in_time) {
         in_time = in_time && missing == MissingSegments::kHold;
-        const bool is_enough = in_time && at(id).coarse && voctree::is_stream(clips_[id.clip].index);
+        const bool is_enough = in_time && at(id).coarse && clips_[id.clip].index.plays_by_frame();
         if (is_missing(id) && !is_enough) wanted.push_back({file_of(id), is_urgent, clips_[id.clip].layers, in_time});
     };
     for (const Id& id : needed) add(id, !at(id).coarse, !stands(id));

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "render/volume/field_levels.h"
 #include "voctree/edit_layer.h"
-#include "voctree/files/clip_index.h"
 #include "voctree/files/solid_leaves.h"
+#include "voctree/kinds/clip_source.h"
 
 namespace neuvv::render {
 
@@ -21,11 +22,14 @@ struct UploadedSegment {
 
 enum class FarLevels { kNo, kYes };
 
-// Reads a segment and uploads it. A file gets far levels where `far` says so. A frame of a stream has none, because
+// Reads a segment and uploads it. A file gets far levels where `far` says so. A slice has none, because
 // merging leaves would take longer than the frame is shown; it is decoded from its parts up to `last`. Throws
-// InputError as voctree::read_segment does, and RuntimeFailure where the device has no memory.
+// InputError as ClipSource::content does, and RuntimeFailure where the device has no memory.
 UploadedSegment upload_segment(const gpu::Device& device, const voctree::ClipSegment& segment,
                                FarLevels far = FarLevels::kYes, SolidParts solid = SolidParts::kNo,
                                stream::Part last = stream::kShFine);
+// What stands in for a segment until the whole is read; nothing where its file has no such tree. It has no paint.
+std::optional<UploadedSegment> upload_coarse(const gpu::Device& device, const voctree::ClipSegment& segment,
+                                             SolidParts solid);
 
 }  // namespace neuvv::render

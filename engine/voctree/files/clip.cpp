@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/platform.h"
-#include "base/trace_file.h"
+#include "stream/transport/nvs_reader.h"
+#include "voctree/kinds/clip_source.h"
 #include "voctree/tree_slice.h"
 
 namespace neuvv::voctree {
@@ -66,72 +66,22 @@ VOctree read_clip(const std::filesystem::path& path, PlenoctreeColours colours, 
     return read_nvv(path);
 }
 
-namespace {
-
-void require_frames(const ClipSegment& segment, uint32_t frames) {
-    if (frames != segment.frames_of_file())
-        throw InputError(segment.file.string(), "HEAD",
-                         fmt::format("has {} frames, clip.json says {}", frames, segment.frames_of_file()),
-                         "train the segment again");
-}
-
-}  // namespace
-
-namespace {
-
-glm::vec3 vector_of(const std::array<float, 3>& numbers) {
-    return {numbers[0], numbers[1], numbers[2]};
-}
-
-const stream::Group& group_of(const ClipSegment& segment) {
-    const stream::Index& index = segment.stream->index();
-    return index.groups[index.group_of(segment.first)];
-}
-
-NvvHeader header_of_frame(const ClipSegment& segment) {
-    const stream::Group& group = group_of(segment);
-    return {group.format.depth / 2,
-            0,
-            0,
-            group.format.most_leaves,
-            1,
-            group.format.degree,
-            1,
-            segment.stream->index().fps,
-            vector_of(group.box_min),
-            vector_of(group.box_size)};
-}
-
-}  // namespace
-
-FrameSlice read_slice(const ClipSegment& frame, stream::Part last) {
-    const stream::Group& group = group_of(frame);
-    return {frame.stream->frame(frame.first, last), vector_of(group.box_min), vector_of(group.box_size)};
-}
-
-VOctree read_segment(const ClipSegment& segment, stream::Part last, PlenoctreeColours colours) {
-    if (segment.stream) {
-        keep_freed_memory();  // a frame has tens of megabytes of arrays, which take as long to clear as to fill
-        const FrameSlice frame = read_slice(segment, last);
-        const TraceSpan span("make the tree of frame", segment.first);
-        return tree_of(slice::values_of(*frame.slice, frame.box_min, frame.box_size), segment.stream->index().fps);
-    }
-    VOctree tree = read_clip(segment.file, colours, segment.up);
-    require_frames(segment, tree.frames);
-    return tree;
+VOctree read_segment(const ClipSegment& segment, PlenoctreeColours colours) {
+    SegmentContent content = segment.source->content(segment, stream::kShFine, colours);
+    if (auto* tree = std::get_if<VOctree>(&content)) return std::move(*tree);
+    return tree_of(slice_at(content, 0), segment.source->header(segment).fps);
 }
 
 NvvHeader read_segment_header(const ClipSegment& segment) {
-    if (segment.stream) return header_of_frame(segment);
-    const NvvHeader header = summarise_nvv(segment.file).header;
-    require_frames(segment, header.frames);
-    return header;
+    return segment.source->header(segment);
 }
 
-namespace {
-
-ClipHeader read_segmented_header(const std::filesystem::path& path) {
-    const ClipIndex index = read_clip_index(path);
+ClipHeader read_clip_header(const std::filesystem::path& path, UpAxis up) {
+    const ClipIndex index = read_clip_index(path, up);
+    if (index.segments.size() == 1) {
+        const NvvHeader header = read_segment_header(index.segments[0]);
+        return {index.frames(), index.fps, header.box_min, header.box_size};
+    }
     std::optional<std::pair<glm::vec3, glm::vec3>> box, empty;  // of the segments with leaves, and of one without
     Note problem;
     for (const ClipSegment& segment : index.segments) {
@@ -149,24 +99,6 @@ ClipHeader read_segmented_header(const std::filesystem::path& path) {
     if (!box) box = empty;
     if (!box) throw InputError(path.string(), "", "none of its segments can be read: " + problem.text, problem.fix);
     return {index.frames(), index.fps, box->first, box->second - box->first};
-}
-
-}  // namespace
-
-ClipHeader read_clip_header(const std::filesystem::path& path, UpAxis up) {
-    switch (kind_of(path)) {
-        case ClipKind::kSegments:
-        case ClipKind::kStream:
-            return read_segmented_header(path);
-        case ClipKind::kPlenoctree: {
-            const auto [box_min, box_size] = read_plenoctree_box(path, up);
-            return {1, VOctree{}.fps, box_min, box_size};
-        }
-        case ClipKind::kNvv:
-            break;
-    }
-    const NvvHeader header = summarise_nvv(path).header;
-    return {header.frames, header.fps, header.box_min, header.box_size};
 }
 
 }  // namespace neuvv::voctree

@@ -35,21 +35,12 @@ std::string clip_endings_text();
 VOctree read_clip(const std::filesystem::path& path, PlenoctreeColours colours = PlenoctreeColours::kLinear,
                   UpAxis up = UpAxis::kZ);
 
-// Reads a segment of a clip. Who draws it on the device takes the colours of a PlenOctree as they are stored. Throws
-// InputError as read_clip, and where the file has not as many frames as the index says.
-VOctree read_segment(const ClipSegment& segment, stream::Part last = stream::kShFine,
-                     PlenoctreeColours colours = PlenoctreeColours::kLinear);
-inline VOctree read_shown_segment(const ClipSegment& segment, stream::Part last = stream::kShFine) {
-    return read_segment(segment, last, PlenoctreeColours::kAsStored);
+// The tree of a segment of any clip; of a slice, a tree of one frame. Who draws it on the device takes the colours of a
+// PlenOctree as they are stored. Throws as ClipSource::content.
+VOctree read_segment(const ClipSegment& segment, PlenoctreeColours colours = PlenoctreeColours::kLinear);
+inline VOctree read_shown_segment(const ClipSegment& segment) {
+    return read_segment(segment, PlenoctreeColours::kAsStored);
 }
-
-// What a stream shows at one of its frames, decoded from its first parts, in a box in metres. Throws InputError and
-// stream::ServerProblem where the reader does.
-struct FrameSlice {
-    std::shared_ptr<const stream::QuantisedSlice> slice;
-    glm::vec3 box_min, box_size;
-};
-FrameSlice read_slice(const ClipSegment& frame, stream::Part last = stream::kShFine);
 
 // The header of a segment of a segmented clip, without its leaves. Throws InputError where the file's headers are
 // damaged, and where it has not as many frames as the index says.

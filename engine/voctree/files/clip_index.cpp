@@ -4,14 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <mutex>
 #include <set>
 
 #include "base/error.h"
 #include "base/formats/json.h"
 #include "base/output_path.h"
 #include "voctree/files/clip.h"
+#include "voctree/kinds/nvv_source.h"
+#include "voctree/kinds/plenoctree_source.h"
+#include "voctree/kinds/stream_source.h"
 
 namespace neuvv::voctree {
 
@@ -45,53 +46,7 @@ std::filesystem::path clip_path(const std::filesystem::path& given) {
 
 namespace {
 
-// A stream that is open already is not opened again, unless its file has changed, or it was found to be damaged or
-// changed on its server: what it has read and decoded is there.
-std::shared_ptr<stream::Reader> opened_stream(const std::filesystem::path& path) {
-    static std::mutex mutex;
-    static std::map<std::filesystem::path, std::weak_ptr<stream::Reader>> open;
-    const auto is_current = [&](const stream::Reader& reader) {
-        return !reader.has_failed() && (stream::is_address(path) || reader.stamp() == neuvv::stamp_of(path));
-    };
-    {
-        const std::lock_guard lock(mutex);
-        std::erase_if(open, [](const auto& one) { return one.second.expired(); });
-        if (const auto found = open.find(path); found != open.end())
-            if (auto reader = found->second.lock(); reader && is_current(*reader)) return reader;
-    }
-    auto reader = std::make_shared<stream::Reader>(path);  // which may take as long as a server does
-    const std::lock_guard lock(mutex);
-    open[path] = reader;
-    return reader;
-}
-
-ClipIndex index_of_stream(const std::filesystem::path& path) {
-    const std::shared_ptr<stream::Reader> reader = opened_stream(path);
-    ClipIndex index{reader->index().fps, {}};
-    const auto frames = static_cast<uint32_t>(reader->index().frames.size());
-    index.segments.reserve(frames);
-    for (uint32_t frame = 0; frame < frames; ++frame)
-        index.segments.push_back({path / segment_file_name(frame), frame, 1, 0, reader});
-    return index;
-}
-
-}  // namespace
-
-bool is_stream(const ClipIndex& index) {
-    return index.segments[0].stream != nullptr;
-}
-
-FileStamp stamp_of(const ClipSegment& segment) {
-    return segment.stream ? segment.stream->stamp() : neuvv::stamp_of(segment.file);
-}
-
-ClipIndex read_clip_index(const std::filesystem::path& clip, UpAxis up) {
-    const ClipKind kind = kind_of(clip);
-    if (kind == ClipKind::kStream) return index_of_stream(clip);
-    if (kind != ClipKind::kSegments) {
-        const ClipHeader header = read_clip_header(clip, up);
-        return {header.fps, {{clip, 0, header.frames, 0, nullptr, up}}};
-    }
+ClipIndex read_segmented_index(const std::filesystem::path& clip) {
     const JsonFile file = read_json(index_file(clip), "the index of a segmented clip");
     const JsonNode root = file.root();
     if (json_count(root["neuvv_clip"], UINT32_MAX) > kIndexVersion)
@@ -107,13 +62,32 @@ ClipIndex read_clip_index(const std::filesystem::path& clip, UpAxis up) {
         const auto frames = static_cast<uint32_t>(json_count(segment["frames"], kMaxClipFrames - first));
         if (frames == 0) segment["frames"].fail("is 0", "remove segments without frames");
         const uint64_t overlap = segment.has("overlap") ? json_count(segment["overlap"], kMostOverlap) : 0;
-        index.segments.push_back(
-            {clip / file_name(segment["file"]), first, frames, static_cast<uint32_t>(overlap), nullptr});
+        index.segments.push_back({clip / file_name(segment["file"]), first, frames, static_cast<uint32_t>(overlap)});
         if (!files.insert(index.segments.back().file).second)
             segment["file"].fail("is the file of another segment, too", "give each segment its own file");
         first += frames;
     }
     return index;
+}
+
+}  // namespace
+
+std::optional<FrameBound> ClipIndex::plays_by_frame() const {
+    return segments[0].source->plays_by_frame();
+}
+
+ClipIndex read_clip_index(const std::filesystem::path& clip, UpAxis up) {
+    switch (kind_of(clip)) {
+        case ClipKind::kStream:
+            return index_of_stream(clip);
+        case ClipKind::kSegments:
+            return read_segmented_index(clip);
+        case ClipKind::kPlenoctree:
+            return index_of_plenoctree(clip, up);
+        case ClipKind::kNvv:
+            break;
+    }
+    return index_of_nvv(clip);
 }
 
 void write_clip_index(const std::filesystem::path& folder, const ClipIndex& index) {

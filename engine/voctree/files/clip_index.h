@@ -4,13 +4,15 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "base/file_stamp.h"
-#include "stream/transport/nvs_reader.h"
 #include "voctree/files/plenoctree.h"
 
 namespace neuvv::voctree {
+
+class ClipSource;
+std::shared_ptr<const ClipSource> nvv_source();
 
 // A run of frames of a clip.
 struct ClipSegment {
@@ -22,23 +24,23 @@ struct ClipSegment {
     // How many more frames the file has at its end: the first ones of the next segment. Slow motion goes on smoothly to
     // them, and players fade over them from this segment to the next (segment_shares).
     uint32_t overlap = 0;
-    std::shared_ptr<stream::Reader> stream{};  // of which this is a frame; null: this is a file
-    UpAxis up = UpAxis::kZ;                    // of a PlenOctree's file
+    std::shared_ptr<const ClipSource> source = nvv_source();  // what it is read from (voctree/kinds/clip_source.h)
     uint32_t end() const { return first + frames; }
     uint32_t frames_of_file() const { return frames + overlap; }
+};
+
+// No frame of a clip has more leaves, or harmonics of a higher degree.
+struct FrameBound {
+    uint64_t leaves = 0;
+    uint32_t degree = 0;
 };
 
 struct ClipIndex {
     float fps = 25;
     std::vector<ClipSegment> segments;  // at least one; without gaps from frame 0 on
     uint32_t frames() const { return segments.back().end(); }
+    std::optional<FrameBound> plays_by_frame() const;  // as its segments' sources say
 };
-
-// Whether the clip is a stream, of which each frame is a segment.
-bool is_stream(const ClipIndex& index);
-
-// The stamp of the segment's file; of the whole stream, when it was opened, where it is a part of one.
-FileStamp stamp_of(const ClipSegment& segment);
 
 constexpr uint32_t kMaxClipFrames = 10'000'000;  // 46 hours at 60 fps
 

@@ -6,8 +6,7 @@
 #include <optional>
 
 #include "base/error.h"
-#include "slice/quantise.h"
-#include "voctree/files/clip.h"
+#include "voctree/kinds/clip_source.h"
 
 namespace neuvv::voctree {
 
@@ -37,39 +36,15 @@ namespace {
 using Box = std::pair<glm::dvec3, glm::dvec3>;
 
 constexpr size_t kMostSegments = 8;
-constexpr double kMoves = 0.1;  // by how much of their box's size leaves of a stream may move between the frames read
 
-// The segments whose leaves are read. Of a stream these are key frames, because others need those before them.
+// The segments whose leaves are read.
 std::vector<ClipSegment> sample_of(const ClipIndex& clip) {
     std::vector<ClipSegment> all, some;
     for (const ClipSegment& segment : clip.segments)
-        if (!segment.stream || segment.stream->index().frames[segment.first].is_key) all.push_back(segment);
+        if (segment.source->stands_alone(segment)) all.push_back(segment);
     const size_t count = std::min(all.size(), kMostSegments);
     for (size_t i = 0; i < count; ++i) some.push_back(all[count == 1 ? 0 : i * (all.size() - 1) / (count - 1)]);
     return some;
-}
-
-// Around the leaves of a segment, and whether it has any. As little of it is read as has to be.
-struct SegmentBox {
-    Box box;
-    bool has_leaves;
-};
-
-// Also of the frames around it.
-SegmentBox box_of_frame(const ClipSegment& frame) {
-    const FrameSlice read = read_slice(frame, stream::kShape);
-    const Box leaves = occupied_box(leaf_positions(*read.slice), read.box_min, read.box_size);
-    const glm::dvec3 low(read.box_min), high = low + glm::dvec3(read.box_size),
-                                        moved = kMoves * (leaves.second - leaves.first);
-    return {{glm::max(low, leaves.first - moved), glm::min(high, leaves.second + moved)}, !read.slice->leaves.empty()};
-}
-
-SegmentBox box_of(const ClipSegment& segment) {
-    if (segment.stream) return box_of_frame(segment);
-    std::optional<VOctree> tree;
-    if (kind_of(segment.file) == ClipKind::kNvv) tree = read_nvv_coarse(segment.file);
-    if (!tree) tree = read_segment(segment);
-    return {occupied_box(*tree), tree->leaf_count > 0};
 }
 
 }  // namespace
@@ -79,8 +54,9 @@ Box occupied_box(const ClipIndex& clip) {
     Note problem;
     for (const ClipSegment& segment : sample_of(clip)) {
         try {
-            const auto [one, has_leaves] = box_of(segment);
-            if (has_leaves)
+            const ClipSource::Box of_segment = segment.source->box(segment);
+            const Box one(of_segment.low, of_segment.high);
+            if (of_segment.has_leaves)
                 box = box ? Box(glm::min(box->first, one.first), glm::max(box->second, one.second)) : one;
             else
                 empty = one;

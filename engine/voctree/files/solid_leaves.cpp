@@ -9,6 +9,7 @@
 #include "slice/quantise.h"
 #include "voctree/files/occupied_box.h"
 #include "voctree/temporal_basis.h"
+#include "voctree/tree_slice.h"
 
 namespace neuvv::voctree {
 

@@ -10,6 +10,7 @@
 #include "voctree/files/chunk_file.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/clip_index.h"
+#include "voctree/kinds/stream_source.h"
 
 namespace neuvv::voctree {
 
@@ -69,7 +70,7 @@ std::vector<NvvChunkView> ChunkOfFrame::views() const {
 WorldFrame read_world_frame(const std::filesystem::path& clip) {
     switch (kind_of(clip)) {
         case ClipKind::kStream: {
-            const WorldFrame world = frame_of_stream(read_clip_index(clip).segments[0].stream->index().capture);
+            const WorldFrame world = frame_of_stream(open_stream(clip)->index().capture);
             expect_sound(world, clip.string(), "header");
             return world;
         }

@@ -1,0 +1,16 @@
+#include "voctree/kinds/clip_source.h"
+
+#include <cassert>
+
+#include "voctree/tree_slice.h"
+
+namespace neuvv::voctree {
+
+slice::Slice slice_at(const SegmentContent& content, double frame, std::span<const PaintStep> paint) {
+    if (const auto* tree = std::get_if<VOctree>(&content)) return slice_of(*tree, frame, paint);
+    assert(paint.empty());
+    const auto& [slice, box_min, box_size] = std::get<FrameSlice>(content);
+    return slice::values_of(*slice, box_min, box_size);
+}
+
+}  // namespace neuvv::voctree

@@ -1,0 +1,71 @@
+// Kinds of clips: each is a class here that says what the segments of such a clip hold, and read_clip_index() lists
+// them all. Who plays, exports or edits a clip asks its source, and not which kind it is.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <variant>
+
+#include "base/file_stamp.h"
+#include "slice/slice.h"
+#include "stream/codec/frame_codec.h"
+#include "voctree/files/clip_index.h"
+#include "voctree/files/nvv.h"
+#include "voctree/slice_paint.h"
+#include "voctree/voctree.h"
+
+namespace neuvv::voctree {
+
+// A slice in whole numbers in a box, metres.
+struct FrameSlice {
+    std::shared_ptr<const stream::QuantisedSlice> slice;
+    glm::vec3 box_min, box_size;
+};
+
+// What a segment holds: a tree with bases, of which the device makes slices, or the slice of its one frame.
+using SegmentContent = std::variant<VOctree, FrameSlice>;
+// What it shows at one of its frames, or between two, under layers of paint, of which a slice has none (assert).
+slice::Slice slice_at(const SegmentContent& content, double frame, std::span<const PaintStep> paint = {});
+
+// All functions may be called from any thread. They throw InputError with file, place and fix where the segment's file
+// is damaged, and stream::ServerProblem where a server does not answer.
+class ClipSource {
+  public:
+    virtual ~ClipSource() = default;
+
+    // Of the segment's file; of a whole stream, when it was opened.
+    virtual FileStamp stamp(const ClipSegment& segment) const = 0;
+    virtual NvvHeader header(const ClipSegment& segment) const = 0;  // its leaves are not read
+    // `last`: of a stream, the parts that are decoded. `colours`: of a PlenOctree.
+    virtual SegmentContent content(const ClipSegment& segment, stream::Part last, PlenoctreeColours colours) const = 0;
+    // A tree of few leaves that is read sooner, where the file has one. The errors of content() are to be met there:
+    // what cannot be read has none.
+    virtual std::optional<VOctree> coarse(const ClipSegment&) const { return {}; }
+
+    // Around the leaves of the segment and what is near in time, metres, and whether there are any. As little is read
+    // as has to be.
+    struct Box {
+        glm::dvec3 low, high;
+        bool has_leaves;
+    };
+    virtual Box box(const ClipSegment& segment) const = 0;
+    // Whether it can be read without those before it.
+    virtual bool stands_alone(const ClipSegment&) const { return true; }
+    // Throws InputError where there are no bases, which paint needs.
+    virtual void expect_paintable() const {}
+
+    // Whether each frame is a segment, and comes as its slice while the clip plays: then what bounds each.
+    virtual std::optional<FrameBound> plays_by_frame() const { return {}; }
+    // Of such clips, the last part that comes in time; and what it took to bring a slice to the device, by which that
+    // is chosen, too.
+    virtual stream::Part part_in_time(const ClipSegment&) const { return stream::kShFine; }
+    virtual void learn_upload(double /*seconds*/) const {}
+    // Whether reading may wait for a server. cancel() ends that, in all threads and from now on (ServerProblem).
+    virtual bool has_server() const { return false; }
+    virtual void cancel() const {}
+};
+
+}  // namespace neuvv::voctree
