@@ -249,17 +249,17 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format, options.holdout);
     training::check_cameras(rig);
     if (!options.surroundings && !options.settings.resume) training::note_few_cameras(rig);
-    if (ranks.is_first()) say_remarks(rig.remarks);
     const std::optional<media::Sound> audio = ranks.is_first() ? read_audio(options) : std::nullopt;
-    const auto write_audio = [&] {
+    const auto begun = [&] {
+        if (ranks.is_first()) say_remarks(rig.remarks);  // no earlier: what is refused gets no advice
         if (audio) media::write_sound(voctree::sound_file(options.output), *audio);
     };
-    if (in_segments) return run_in_segments(options, rig, ranks, common, write_audio);
+    if (in_segments) return run_in_segments(options, rig, ranks, common, begun);
     if (ranks.is_first() && !options.surroundings) advise_segments(options, rig);
     std::optional<training::RunClaim> claim;
     if (ranks.is_first()) claim = claim_file(options.clip());
     if (ranks.is_first() && !options.replaces.empty() && !options.settings.resume) begin_replacement(options);
-    write_audio();
+    begun();
     if (ranks.count > 1) options.settings.team = join_team(ranks);
     if (!ranks.is_first()) options.live = {};
     RunView view{!ranks.is_first(), [&](double fraction) {
