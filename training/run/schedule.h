@@ -55,7 +55,7 @@ constexpr const std::array<Phase, kPhaseCount>& phases_of(double leaf_pixels) {
 // expected, at the speed so far, for each leaf and frame that it lives in: larger leaves that are seen often show more
 // than small ones that are not (RESULTS.md, "Larger leaves"). This applies only where the user left the resolution to
 // the program.
-constexpr double kMinRaysOfLeaf = 230;
+constexpr double kMinRaysOfLeaf = 70;
 
 // The share of the learning rate of densities that applies until all leaves have a pixel's size. Larger leaves lie
 // across silhouettes: each ray that passes beside the performer through such a leaf makes it thinner, and its children
