@@ -96,16 +96,32 @@ TEST_F(CameraCheck, ImagesWithoutMattesAreNotJudged) {
     EXPECT_EQ(rig.remarks, remarks);
 }
 
-TEST(FewCameras, AreNotedBelowTen) {
+TEST(RigAdvice, NotesFewerThanTenCameras) {
     training::Rig rig;
     rig.cameras.resize(training::kEnoughCameras);
-    training::note_few_cameras(rig);
-    EXPECT_TRUE(rig.remarks.empty()) << rig.remarks[0];
+    EXPECT_TRUE(training::advice_on(rig).empty());
     rig.cameras.pop_back();
-    training::note_few_cameras(rig);
-    ASSERT_EQ(rig.remarks.size(), 1u);
-    EXPECT_EQ(rig.remarks[0].find("9 cameras are few: "), 0u) << rig.remarks[0];
-    EXPECT_EQ(rig.remarks[0].find('\n'), std::string::npos);
+    const std::vector<std::string> advice = training::advice_on(rig);
+    ASSERT_EQ(advice.size(), 1u);
+    EXPECT_EQ(advice[0].find("9 cameras are few: "), 0u) << advice[0];
+    EXPECT_EQ(advice[0].find('\n'), std::string::npos);
+}
+
+TEST(RigAdvice, NotesTimesBetweenFrames) {
+    const auto advice_on_times = [](const std::vector<double>& times) {
+        training::Rig rig;
+        rig.cameras.resize(training::kEnoughCameras);
+        for (const double time : times) rig.shots.emplace_back().time = time;
+        return training::advice_on(rig);
+    };
+    EXPECT_TRUE(advice_on_times({0, 0, 0.25, 0.5, 0.75, 1}).empty());
+    EXPECT_TRUE(advice_on_times({0}).empty());
+    EXPECT_TRUE(advice_on_times({0, (1 + 0.09) / 4, 0.5, 0.75, 1}).empty());
+    EXPECT_EQ(advice_on_times({0, (1 + 0.11) / 4, 0.5, 0.75, 1}).size(), 1u);
+    const std::vector<std::string> advice = advice_on_times({0, 6.0 / 23, 12.0 / 23, 18.0 / 23});
+    ASSERT_EQ(advice.size(), 1u);
+    EXPECT_EQ(advice[0].find("the images' 4 times are not even: 0.2609 is that of frame 0.78, not 1, "), 0u)
+        << advice[0];
 }
 
 }  // namespace

@@ -297,7 +297,7 @@ void run(const DatasetOptions& options) {
             training::check_cameras(rig);
             return true;
         });
-    if (options.split == "train") training::note_few_cameras(rig);
+    if (options.split == "train") std::ranges::copy(training::advice_on(rig), std::back_inserter(rig.remarks));
     const training::Rig sample = sample_of(rig);
     training::Dataset images = training::read_images(sample, {.mattes_needed = false});
     const std::optional<double> matte = matte_share(images);

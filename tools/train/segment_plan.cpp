@@ -48,13 +48,11 @@ uint64_t share_of(uint64_t steps, double share) {
 // Throws InputError where frames are not at even times: a segment's frames are then not those that `eval` and players
 // find by their times.
 void expect_even_times(const training::Rig& rig, const std::vector<double>& times) {
-    const auto frames = static_cast<uint32_t>(times.size());
-    for (uint32_t frame = 0; frame < frames && frames > 1; ++frame)
-        if (const double at = training::frame_of_time(times[frame], frames); at != frame)
-            throw InputError("--segment", rig.file,
-                             fmt::format("its {} times are not even: {} is that of frame {:.2f}, not {}", frames,
-                                         times[frame], at, frame),
-                             "give each frame f of n the time f / (n − 1), or train without --segment");
+    if (const auto uneven = training::uneven_time(times, 0))
+        throw InputError("--segment", rig.file,
+                         fmt::format("its {} times are not even: {} is that of frame {:.2f}, not {}", times.size(),
+                                     uneven->time, uneven->at, uneven->frame),
+                         "give each frame f of n the time f / (n − 1), or train without --segment");
 }
 
 // The index of a clip that is there already, with its segments where they are trained.

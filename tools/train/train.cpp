@@ -248,10 +248,12 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     catch_batch_signals();
     training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format, options.holdout);
     training::check_cameras(rig);
-    if (!options.surroundings && !options.settings.resume) training::note_few_cameras(rig);
+    if (ranks.is_first()) say_remarks(rig.remarks);
     const std::optional<media::Sound> audio = ranks.is_first() ? read_audio(options) : std::nullopt;
     const auto begun = [&] {
-        if (ranks.is_first()) say_remarks(rig.remarks);  // no earlier: what is refused gets no advice
+        // Not before the output, the plan and other options were found to be right.
+        if (ranks.is_first() && !options.surroundings && !options.settings.resume)
+            say_remarks(training::advice_on(rig));
         if (audio) media::write_sound(voctree::sound_file(options.output), *audio);
     };
     if (in_segments) return run_in_segments(options, rig, ranks, common, begun);

@@ -1,8 +1,10 @@
 #include "training/data/segments.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
+#include "training/data/dataset.h"
 #include "training/data/layouts/formats.h"
 
 namespace neuvv::training {
@@ -11,6 +13,14 @@ std::vector<double> times_of(const Rig& rig) {
     std::set<double> times;
     for (const Shot& shot : rig.shots) times.insert(shot.time);
     return {times.begin(), times.end()};
+}
+
+std::optional<UnevenTime> uneven_time(const std::vector<double>& times, double most) {
+    const auto frames = static_cast<uint32_t>(times.size());
+    for (uint32_t frame = 0; frame < frames && frames > 1; ++frame)
+        if (const double at = frame_of_time(times[frame], frames); std::abs(at - frame) > most)
+            return UnevenTime{frame, times[frame], at};
+    return {};
 }
 
 std::vector<uint32_t> segment_lengths(uint32_t frames, uint32_t longest) {

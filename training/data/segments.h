@@ -2,6 +2,8 @@
 // after which a segment is good, then do not depend on the length of the clip.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "training/data/layouts/rig/rig.h"
@@ -10,6 +12,14 @@ namespace neuvv::training {
 
 // The times of a rig's shots, ascending, each once: one for each frame.
 std::vector<double> times_of(const Rig& rig);
+
+// Frame f of n should have the time f / (n − 1). Of a clip's times, ascending, this is the first that is more than
+// `most` frames away from that; `at` is the frame, with a fraction, that has the time.
+struct UnevenTime {
+    uint32_t frame;
+    double time, at;
+};
+std::optional<UnevenTime> uneven_time(const std::vector<double>& times, double most);
 
 // Cuts a clip into segments of at most `longest` frames, whose lengths differ by one frame at most. Both are at
 // least 1.

@@ -82,13 +82,21 @@ void check_cameras(Rig& rig) {
     if (!found.others.empty()) leave_out(rig, found.others);
 }
 
-void note_few_cameras(Rig& rig) {
+std::vector<std::string> advice_on(const Rig& rig) {
+    std::vector<std::string> advice;
     const size_t cameras = rig.cameras.size();
     if (cameras < kEnoughCameras)
-        rig.remarks.push_back(
+        advice.push_back(
             fmt::format("{} camera{} few: their hull is larger than the performer, and views between them are worse, "
                         "with 8 cameras by some 4 dB, with 4 by 7",
                         cameras, cameras == 1 ? " is" : "s are"));
+    const std::vector<double> times = times_of(rig);
+    if (const auto uneven = uneven_time(times, kMostBetweenFrames))
+        advice.push_back(
+            fmt::format("the images' {} times are not even: {:.4g} is that of frame {:.2f}, not {}, so that what moves "
+                        "is blurred; give each frame f of n the time f / (n − 1)",
+                        times.size(), uneven->time, uneven->at, uneven->frame));
+    return advice;
 }
 
 }  // namespace neuvv::training

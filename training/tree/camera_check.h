@@ -22,8 +22,11 @@ std::string swap_text(const SwappedCameras& pair, const std::string& a, const st
 
 // From so many cameras on, views between them gain little by more (training/RESULTS.md).
 constexpr size_t kEnoughCameras = 10;
-// Adds to Rig::remarks what to expect of a rig with fewer, which leave matter beside the performer that no image
-// denies.
-void note_few_cameras(Rig& rig);
+// A time may lie so far between two frames. Images of times further away teach the frames on both sides, which blurs
+// what moves; such times are found where somebody took frames out of a larger transforms.json.
+constexpr double kMostBetweenFrames = 0.1;
+// What to expect of a rig with fewer cameras, which leave matter beside the performer that no image denies, and of one
+// whose times lie further between frames; a line each.
+std::vector<std::string> advice_on(const Rig& rig);
 
 }  // namespace neuvv::training
