@@ -31,6 +31,7 @@ neuvv_test(voctree_test HOSTILE COST 12
     voctree/edit_layer_test.cpp
     voctree/slice_paint_test.cpp
     voctree/tree_slice_test.cpp
+    voctree/kinds_test.cpp
     voctree/plenoctree_test.cpp
     voctree/plenoctree_forms_test.cpp
     voctree/clip_index_test.cpp
@@ -41,7 +42,7 @@ neuvv_test(voctree_test HOSTILE COST 12
 neuvv_test(slice_test
   SOURCES
     slice/slice_test.cpp
-  LINKS neuvv_slice)
+  LINKS neuvv_slice neuvv_media)
 
 neuvv_test(stream_test HOSTILE
   SOURCES

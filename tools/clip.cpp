@@ -21,6 +21,7 @@
 #include "voctree/files/nvv.h"
 #include "voctree/files/world_frame.h"
 #include "voctree/frames.h"
+#include "voctree/kinds/clip_source.h"
 
 namespace neuvv::tools {
 
@@ -102,7 +103,7 @@ void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& 
         if (!std::filesystem::exists(piece.source.file, ignored))
             throw InputError(piece.source.file.string(), "", "is not there",
                              "train the clip to its end: the command that began it, with --resume");
-        if (is_nvv(piece)) voctree::read_segment_header(piece.source);
+        if (is_nvv(piece)) piece.source.source->header(piece.source);
     }
     expect_one_frame(pieces);
     catch_stop_signals();

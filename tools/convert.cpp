@@ -24,6 +24,7 @@
 #include "voctree/files/nvv.h"
 #include "voctree/files/world_frame.h"
 #include "voctree/frames.h"
+#include "voctree/kinds/clip_source.h"
 #include "voctree/round.h"
 
 namespace neuvv::tools {
@@ -114,7 +115,7 @@ void convert_file(const gpu::Device& device, const voctree::ClipSegment& file, c
 // Each segment keeps the quality by itself.
 Outcome convert_segments(const gpu::Device& device, const ConvertOptions& options) {
     const voctree::ClipIndex index = voctree::read_clip_index(options.scene);
-    for (const voctree::ClipSegment& segment : index.segments) voctree::read_segment_header(segment);
+    for (const voctree::ClipSegment& segment : index.segments) segment.source->header(segment);
     const UnfinishedClip clip(options.output);
     voctree::ClipIndex smaller = index;
     Outcome outcome;

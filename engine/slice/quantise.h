@@ -10,10 +10,10 @@
 
 namespace neuvv::slice {
 
-// Leaves of less opacity along their edge would be 0 in whole numbers.
+// Less opacity along the edge of a leaf is 0 in whole numbers.
 constexpr float kLeastOpacity = 0.5f / stream::kUnit;
 
-// Every opacity of the leaves must be at least kLeastOpacity.
+// It has the same leaves, of which those below kLeastOpacity get an opacity of 0.
 stream::QuantisedSlice quantised(const Slice& slice);
 
 // `box_min`, `box_size`: metres. Opacities must be 0 to stream::kUnit.

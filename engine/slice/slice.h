@@ -47,7 +47,7 @@ float edge_m(glm::vec3 box_size, uint32_t depth);
 uint32_t finest_depth(const Slice& slice);
 
 // What is wrong with a slice, or an empty string: leaves that are not in order, overlap, or are finer than its depth;
-// a depth or degree out of bounds; numbers that are not finite, and densities below 0.
+// a box, depth or degree out of bounds; numbers that are not finite, and densities below 0.
 std::string defect_of(const Slice& slice);
 
 // The same slice in other lengths, which shows the same images: p becomes scale · p + shift.

@@ -25,8 +25,7 @@ struct LiveLeaf {
 };
 
 // In order of their cells. `edits`: those of the rows' time.
-std::vector<LiveLeaf> live_leaves(const VOctree& tree, const RowsAtTime& rows, const FrameEdits& edits,
-                                  float least_opacity) {
+std::vector<LiveLeaf> live_leaves(const VOctree& tree, const RowsAtTime& rows, const FrameEdits& edits) {
     const std::vector<LeafPosition> positions = leaf_positions(tree);
     std::vector<LiveLeaf> leaves(tree.leaf_count);
     parallel_for(leaves.size(), kTreeLeavesOfPart, [&](size_t begin, size_t end) {
@@ -38,7 +37,7 @@ std::vector<LiveLeaf> live_leaves(const VOctree& tree, const RowsAtTime& rows, c
             leaves[i] = {first_cell(positions[i], 2 * tree.node_levels), positions[i].depth, leaf, sigma, opacity};
         }
     });
-    std::erase_if(leaves, [&](const LiveLeaf& leaf) { return leaf.opacity < least_opacity; });
+    std::erase_if(leaves, [](const LiveLeaf& leaf) { return leaf.opacity < slice::kLeastOpacity; });
     std::sort(leaves.begin(), leaves.end(), [](const LiveLeaf& a, const LiveLeaf& b) { return a.cell < b.cell; });
     return leaves;
 }
@@ -59,11 +58,11 @@ slice::Colours leaf_colours(const VOctree& tree, uint32_t leaf, const RowsAtTime
 
 }  // namespace
 
-slice::Slice slice_of(const VOctree& tree, double frame, std::span<const PaintStep> paint, float least_opacity) {
+slice::Slice slice_of(const VOctree& tree, double frame, std::span<const PaintStep> paint) {
     for ([[maybe_unused]] const PaintStep& step : paint) assert(step.layer->field.leaf_count == tree.leaf_count);
     const RowsAtTime rows(tree, frame);
     const FrameEdits edits(paint, static_cast<float>(frame));
-    const std::vector<LiveLeaf> live = live_leaves(tree, rows, edits, least_opacity);
+    const std::vector<LiveLeaf> live = live_leaves(tree, rows, edits);
     slice::Slice slice{tree.box_min, tree.box_size, 2 * tree.node_levels, tree.hh_degree, {}};
     slice.leaves.resize(live.size());
     parallel_for(live.size(), kTreeLeavesOfPart, [&](size_t begin, size_t end) {
@@ -77,7 +76,7 @@ slice::Slice slice_of(const VOctree& tree, double frame, std::span<const PaintSt
 }
 
 VOctree tree_of(const slice::Slice& slice, float fps) {
-    assert(slice.depth % 2 == 0 && slice::defect_of(slice).empty());
+    assert(slice.depth % 2 == 0);
     VOctree tree;
     tree.box_min = slice.box_min;
     tree.box_size = slice.box_size;

@@ -10,13 +10,12 @@
 namespace neuvv::voctree {
 
 // What the tree shows at a frame, or between two, under layers of paint, the lowest first, each made for this tree
-// (assert): the leaves whose opacity along their edge is at least `least_opacity`. Each counts as shown as if nothing
-// hid it.
-slice::Slice slice_of(const VOctree& tree, double frame, std::span<const PaintStep> paint = {},
-                      float least_opacity = slice::kLeastOpacity);
+// (assert): the leaves whose opacity along their edge is at least slice::kLeastOpacity. Each counts as shown as if
+// nothing hid it.
+slice::Slice slice_of(const VOctree& tree, double frame, std::span<const PaintStep> paint = {});
 
-// The tree of one frame that shows the slice, whose depth must be even (assert). Its leaves are in the order of the
-// slice.
+// The tree of one frame that shows the slice, which must have no defect_of; its depth must be even (assert). Its leaves
+// are in the order of the slice.
 VOctree tree_of(const slice::Slice& slice, float fps);
 
 // Where the leaves of a stream's slice lie, in its order.

@@ -6,7 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <string>
 
+#include "base/sigmoid.h"
+#include "media/image.h"
 #include "slice/cell_code.h"
 #include "slice/coarser.h"
 #include "slice/quantise.h"
@@ -96,7 +99,11 @@ TEST(Slice, SaysWhatIsWrongWithIt) {
                   s.leaves[0] = {1, 3, 1, {}, 0};
               }),
               "leaf 0 does not lie on a cell of its depth");
-    EXPECT_EQ(defect([](slice::Slice& s) { s.leaves.back() = {4096, 4, 1, {}, 0}; }).substr(0, 5), "leaf ");
+    const size_t last = some_slice().leaves.size() - 1;
+    EXPECT_EQ(defect([](slice::Slice& s) {
+                  s.leaves.back() = {4096, 4, 1, {}, 0};
+              }),
+              "leaf " + std::to_string(last) + " does not lie on a cell of its depth");
     EXPECT_EQ(defect([](slice::Slice& s) { std::swap(s.leaves[4], s.leaves[5]); }),
               "leaf 5 overlaps the one before it, or is not in order");
     EXPECT_EQ(defect([](slice::Slice& s) { s.leaves[1].sigma = -1; }), "leaf 1 has a density of -1");
@@ -105,7 +112,11 @@ TEST(Slice, SaysWhatIsWrongWithIt) {
     EXPECT_EQ(defect([&](slice::Slice& s) { s.leaves[1].colours[2][9] = kNoNumber; }), "") << "of no degree it has";
 }
 
-// Whole numbers are rounded to half of one: of opacity, and of the colour in sRGB.
+double srgb_of(float k00) {
+    return media::srgb_from_linear(double{sigmoid(k00 * slice::kMeanHarmonic)});
+}
+
+// Whole numbers are rounded to half of one: of opacity, and of the three planes of a colour in sRGB.
 TEST(Slice, InWholeNumbersIsTheSameUpToRounding) {
     const slice::Slice slice = some_slice();
     const stream::QuantisedSlice whole = slice::quantised(slice);
@@ -117,11 +128,29 @@ TEST(Slice, InWholeNumbersIsTheSameUpToRounding) {
         EXPECT_EQ(a.cell, b.cell);
         EXPECT_EQ(a.depth, b.depth);
         EXPECT_NEAR(slice.opacity(a), again.opacity(b), 0.51 / stream::kUnit);
+        EXPECT_FLOAT_EQ(b.shown, again.opacity(b) * again.edge_m(b) * again.edge_m(b));
+        for (size_t c = 0; c < 3; ++c) {
+            const double mean = srgb_of(a.colours[c][0]);
+            EXPECT_NEAR(mean, srgb_of(b.colours[c][0]), 2.0 / stream::kUnit);
+            if (mean < 0.2 || mean > 0.8) continue;  // there, a unit is much of a harmonic's coefficient
+            for (size_t k = 1; k < 9; ++k) EXPECT_NEAR(double{a.colours[c][k]}, double{b.colours[c][k]}, 0.03) << mean;
+        }
     }
     // Numbers that are whole are kept.
     const stream::QuantisedSlice twice = slice::quantised(again);
     EXPECT_EQ(whole.leaves, twice.leaves);
     EXPECT_EQ(whole.planes, twice.planes);
+}
+
+TEST(Slice, InOtherLengthsIsTheSame) {
+    const slice::Slice slice = some_slice(), twice = slice::scaled(slice, 2, {1, 0, -1});
+    EXPECT_EQ(slice::finest_depth(twice), 4u);
+    for (size_t i = 0; i < slice.leaves.size(); ++i) {
+        EXPECT_FLOAT_EQ(twice.optical_depth(twice.leaves[i]), slice.optical_depth(slice.leaves[i]));
+        EXPECT_FLOAT_EQ(twice.shown_alone(twice.leaves[i]), twice.leaves[i].shown);
+        const glm::vec3 centre = 2.0f * slice.centre_m(slice.leaves[i]) + glm::vec3(1, 0, -1);
+        EXPECT_LT(glm::distance(twice.centre_m(twice.leaves[i]), centre), 1e-5f);
+    }
 }
 
 TEST(Slice, CellsHaveCodesInTheOrderOfAWalk) {
@@ -131,6 +160,7 @@ TEST(Slice, CellsHaveCodesInTheOrderOfAWalk) {
     EXPECT_EQ(slice::code_of({4095, 4095, 4095}), (uint64_t{1} << 36) - 1);
     const glm::uvec3 cell(2730, 1365, 7);
     EXPECT_EQ(slice::cell_of(slice::code_of(cell)), cell);
+    EXPECT_EQ(slice::code_of({4096, 0, 0}), 0u) << "higher bits are ignored";
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "interchange/mesh/triangle_mesh.h"
+#include "slice/cell_code.h"
 #include "slice/slice.h"
 
 namespace neuvv::test {
@@ -22,7 +23,8 @@ inline void add_leaves(slice::Slice& volume, uint32_t depth, float sigma,
         for (uint32_t y = 0; y < side; ++y)
             for (uint32_t x = 0; x < side; ++x)
                 if (inside((glm::vec3(x, y, z) + 0.5f) / static_cast<float>(side)))
-                    volume.leaves.push_back({voctree::first_cell({x, y, z, depth}, volume.depth), depth, sigma, {}, 0});
+                    volume.leaves.push_back(
+                        {slice::code_of({x, y, z}) << 3 * (volume.depth - depth), depth, sigma, {}, 0});
     std::sort(volume.leaves.begin(), volume.leaves.end(), [](const auto& a, const auto& b) { return a.cell < b.cell; });
 }
 

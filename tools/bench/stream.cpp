@@ -10,6 +10,7 @@
 #include "tools/bench/measure.h"
 #include "tools/report.h"
 #include "voctree/files/clip.h"
+#include "voctree/kinds/clip_source.h"
 #include "voctree/tree_slice.h"
 
 namespace neuvv::bench {

@@ -118,9 +118,12 @@ voctree::VOctree ExportedClip::still(uint32_t frame) {
 }
 
 uint32_t ExportedClip::finest_depth(uint32_t frame) {
-    const auto& [segment, at] = shown(frame);
-    if (const auto* tree = std::get_if<voctree::VOctree>(&segment.content)) return voctree::finest_depth(*tree);
-    return slice::finest_depth(voctree::slice_at(segment.content, at));
+    const voctree::SegmentContent& content = shown(frame).segment.content;
+    if (const auto* tree = std::get_if<voctree::VOctree>(&content)) return voctree::finest_depth(*tree);
+    uint32_t finest = 1;
+    for (const stream::Leaf& leaf : std::get<voctree::FrameSlice>(content).slice->leaves)
+        finest = std::max(finest, leaf.depth);
+    return finest;
 }
 
 }  // namespace neuvv::tools

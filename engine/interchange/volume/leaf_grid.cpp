@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <limits>
 #include <utility>
+
 #include "slice/coarser.h"
+#include "voctree/voctree.h"
 
 namespace neuvv::interchange {
 
@@ -39,8 +41,7 @@ LatticeBox box_of(const slice::Slice& volume) {
 }  // namespace
 
 LeafGrid::LeafGrid(slice::Slice volume, size_t most_cells) : volume_(std::move(volume)) {
-    uint32_t finest = 1;
-    for (const slice::Leaf& leaf : volume_.leaves) finest = std::max(finest, leaf.depth);
+    const uint32_t finest = slice::finest_depth(volume_);
     volume_ = slice::with_depth(std::move(volume_), finest);
     if (volume_.leaves.empty()) return;
     LatticeBox box = box_of(volume_);

@@ -162,9 +162,10 @@ void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
 
 // Returns false, and does nothing, where all of the frame comes in time, or is there.
 bool ClipFiles::read_in_time(const voctree::ClipSegment& segment) {
-    const FileStamp stamp = segment.source->stamp(segment);
     const stream::Part last = segment.source->part_in_time(segment);
-    if (last == stream::kShFine || begin_reading(segment, stamp)) return false;
+    if (last == stream::kShFine) return false;
+    const FileStamp stamp = segment.source->stamp(segment);
+    if (begin_reading(segment, stamp)) return false;
     if (has_result(segment)) {  // it was still wanted when another thread had just read it
         end_reading(segment, nullptr);
         return true;

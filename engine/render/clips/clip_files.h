@@ -39,7 +39,7 @@ class ClipFiles {
     // since; else null. A clip that is one file is a segment, too.
     std::shared_ptr<const LoadedClip> find(const voctree::ClipSegment& segment);
     // The same, read now where it is not there. Where the device has no memory, it waits up to a second for the files
-    // that others are reading, and tries once more. Throws InputError where read_segment does, RuntimeFailure where
+    // that others are reading, and tries once more. Throws InputError where upload_segment does, RuntimeFailure where
     // there still is no memory.
     std::shared_ptr<const LoadedClip> read(const voctree::ClipSegment& segment);
 

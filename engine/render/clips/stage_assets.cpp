@@ -35,7 +35,7 @@ const StageLoader::KnownHeader& StageLoader::header_of(const voctree::ClipSegmen
         return known->second;
     KnownHeader header{stamp, {}, {}};
     try {
-        const voctree::NvvHeader read = voctree::read_segment_header(segment);
+        const voctree::NvvHeader read = segment.source->header(segment);
         if (read.leaf_count > 0) header.box.emplace(read.box_min, read.box_min + read.box_size);
     } catch (const InputError& problem) {
         header.problem = Note(problem);

@@ -7,10 +7,11 @@ namespace neuvv::render {
 
 namespace {
 
+// Without its paint.
 UploadedSegment upload_tree(const gpu::Device& device, const voctree::VOctree& tree, FarLevels far, SolidParts solid) {
     return {
         far == FarLevels::kYes ? upload_far_levels(device, tree) : upload_field(device, tree, WeightPrecision::kHalf),
-        voctree::painted_field(tree),
+        {},
         solid == SolidParts::kYes ? std::make_shared<const voctree::SolidLeaves>(tree) : nullptr};
 }
 
@@ -27,7 +28,11 @@ UploadedSegment upload_segment(const gpu::Device& device, const voctree::ClipSeg
                                SolidParts solid, stream::Part last) {
     const voctree::SegmentContent content =
         segment.source->content(segment, last, voctree::PlenoctreeColours::kAsStored);
-    if (const auto* tree = std::get_if<voctree::VOctree>(&content)) return upload_tree(device, *tree, far, solid);
+    if (const auto* tree = std::get_if<voctree::VOctree>(&content)) {
+        UploadedSegment uploaded = upload_tree(device, *tree, far, solid);
+        uploaded.painted = voctree::painted_field(*tree);
+        return uploaded;
+    }
     const double begin_s = seconds_now();
     UploadedSegment uploaded = upload_frame(device, std::get<voctree::FrameSlice>(content), solid);
     segment.source->learn_upload(seconds_now() - begin_s);
@@ -38,9 +43,7 @@ std::optional<UploadedSegment> upload_coarse(const gpu::Device& device, const vo
                                              SolidParts solid) {
     const std::optional<voctree::VOctree> tree = segment.source->coarse(segment);
     if (!tree) return {};
-    UploadedSegment uploaded = upload_tree(device, *tree, FarLevels::kNo, solid);
-    uploaded.painted = {};
-    return uploaded;
+    return upload_tree(device, *tree, FarLevels::kNo, solid);
 }
 
 }  // namespace neuvv::render

@@ -72,21 +72,13 @@ VOctree read_segment(const ClipSegment& segment, PlenoctreeColours colours) {
     return tree_of(slice_at(content, 0), segment.source->header(segment).fps);
 }
 
-NvvHeader read_segment_header(const ClipSegment& segment) {
-    return segment.source->header(segment);
-}
-
 ClipHeader read_clip_header(const std::filesystem::path& path, UpAxis up) {
     const ClipIndex index = read_clip_index(path, up);
-    if (index.segments.size() == 1) {
-        const NvvHeader header = read_segment_header(index.segments[0]);
-        return {index.frames(), index.fps, header.box_min, header.box_size};
-    }
     std::optional<std::pair<glm::vec3, glm::vec3>> box, empty;  // of the segments with leaves, and of one without
     Note problem;
     for (const ClipSegment& segment : index.segments) {
         try {
-            const NvvHeader header = read_segment_header(segment);
+            const NvvHeader header = segment.source->header(segment);
             const std::pair one(header.box_min, header.box_min + header.box_size);
             if (header.leaf_count == 0)
                 empty = one;

@@ -42,10 +42,6 @@ inline VOctree read_shown_segment(const ClipSegment& segment) {
     return read_segment(segment, PlenoctreeColours::kAsStored);
 }
 
-// The header of a segment of a segmented clip, without its leaves. Throws InputError where the file's headers are
-// damaged, and where it has not as many frames as the index says.
-NvvHeader read_segment_header(const ClipSegment& segment);
-
 struct ClipHeader {
     uint32_t frames;
     float fps;

@@ -12,7 +12,7 @@
 namespace neuvv::voctree {
 
 class ClipSource;
-std::shared_ptr<const ClipSource> nvv_source();
+std::shared_ptr<const ClipSource> nvv_source();  // of all segments that are .nvv files
 
 // A run of frames of a clip.
 struct ClipSegment {
@@ -29,7 +29,7 @@ struct ClipSegment {
     uint32_t frames_of_file() const { return frames + overlap; }
 };
 
-// No frame of a clip has more leaves, or harmonics of a higher degree.
+// The most leaves that a frame of a clip may have, those whose harmonics take most.
 struct FrameBound {
     uint64_t leaves = 0;
     uint32_t degree = 0;

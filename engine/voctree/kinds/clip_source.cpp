@@ -10,7 +10,9 @@ slice::Slice slice_at(const SegmentContent& content, double frame, std::span<con
     if (const auto* tree = std::get_if<VOctree>(&content)) return slice_of(*tree, frame, paint);
     assert(paint.empty());
     const auto& [slice, box_min, box_size] = std::get<FrameSlice>(content);
-    return slice::values_of(*slice, box_min, box_size);
+    slice::Slice values = slice::values_of(*slice, box_min, box_size);
+    std::erase_if(values.leaves, [](const slice::Leaf& leaf) { return leaf.shown <= 0; });
+    return values;
 }
 
 }  // namespace neuvv::voctree

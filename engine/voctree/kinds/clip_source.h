@@ -1,5 +1,5 @@
-// Kinds of clips: each is a class here that says what the segments of such a clip hold, and read_clip_index() lists
-// them all. Who plays, exports or edits a clip asks its source, and not which kind it is.
+// What segments of clips are read from: a class for each kind of file. Who plays or exports a segment asks its source,
+// and not which kind it is.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -27,7 +27,8 @@ struct FrameSlice {
 
 // What a segment holds: a tree with bases, of which the device makes slices, or the slice of its one frame.
 using SegmentContent = std::variant<VOctree, FrameSlice>;
-// What it shows at one of its frames, or between two, under layers of paint, of which a slice has none (assert).
+// What it shows at one of its frames, or between two, under layers of paint, of which a slice has none (assert): the
+// leaves of opacity slice::kLeastOpacity or more.
 slice::Slice slice_at(const SegmentContent& content, double frame, std::span<const PaintStep> paint = {});
 
 // All functions may be called from any thread. They throw InputError with file, place and fix where the segment's file
@@ -38,11 +39,12 @@ class ClipSource {
 
     // Of the segment's file; of a whole stream, when it was opened.
     virtual FileStamp stamp(const ClipSegment& segment) const = 0;
-    virtual NvvHeader header(const ClipSegment& segment) const = 0;  // its leaves are not read
-    // `last`: of a stream, the parts that are decoded. `colours`: of a PlenOctree.
+    // Leaves are not read: `leaf_count` is 0 only where there are none, and else may be a bound.
+    virtual NvvHeader header(const ClipSegment& segment) const = 0;
+    // `last`: of a stream, the last part that is decoded. `colours`: of a PlenOctree.
     virtual SegmentContent content(const ClipSegment& segment, stream::Part last, PlenoctreeColours colours) const = 0;
-    // A tree of few leaves that is read sooner, where the file has one. The errors of content() are to be met there:
-    // what cannot be read has none.
+    // A tree of few leaves that is read sooner, where the file has one. Nothing where the file cannot be read:
+    // content() throws then.
     virtual std::optional<VOctree> coarse(const ClipSegment&) const { return {}; }
 
     // Around the leaves of the segment and what is near in time, metres, and whether there are any. As little is read
@@ -60,7 +62,7 @@ class ClipSource {
     // Whether each frame is a segment, and comes as its slice while the clip plays: then what bounds each.
     virtual std::optional<FrameBound> plays_by_frame() const { return {}; }
     // Of such clips, the last part that comes in time; and what it took to bring a slice to the device, by which that
-    // is chosen, too.
+    // is chosen, too, for all who hold this source.
     virtual stream::Part part_in_time(const ClipSegment&) const { return stream::kShFine; }
     virtual void learn_upload(double /*seconds*/) const {}
     // Whether reading may wait for a server. cancel() ends that, in all threads and from now on (ServerProblem).

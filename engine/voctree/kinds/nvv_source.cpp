@@ -12,7 +12,7 @@ namespace {
 void require_frames(const ClipSegment& segment, uint32_t frames) {
     if (frames != segment.frames_of_file())
         throw InputError(segment.file.string(), "HEAD",
-                         fmt::format("has {} frames, clip.json says {}", frames, segment.frames_of_file()),
+                         fmt::format("has {} frames, its clip says {}", frames, segment.frames_of_file()),
                          "train the segment again");
 }
 
@@ -25,9 +25,7 @@ class NvvSource : public ClipSource {
         return header;
     }
     SegmentContent content(const ClipSegment& segment, stream::Part, PlenoctreeColours) const override {
-        VOctree tree = read_nvv(segment.file);
-        require_frames(segment, tree.frames);
-        return tree;
+        return read_whole(segment);
     }
     std::optional<VOctree> coarse(const ClipSegment& segment) const override {
         try {
@@ -39,9 +37,16 @@ class NvvSource : public ClipSource {
     }
     Box box(const ClipSegment& segment) const override {
         std::optional<VOctree> tree = read_nvv_coarse(segment.file);
-        if (!tree) tree = read_nvv(segment.file);
+        if (!tree) tree = read_whole(segment);
         const auto [low, high] = occupied_box(*tree);
         return {low, high, tree->leaf_count > 0};
+    }
+
+  private:
+    static VOctree read_whole(const ClipSegment& segment) {
+        VOctree tree = read_nvv(segment.file);
+        require_frames(segment, tree.frames);
+        return tree;
     }
 };
 

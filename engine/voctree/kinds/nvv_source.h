@@ -5,9 +5,6 @@
 
 namespace neuvv::voctree {
 
-// Of every segment that is a .nvv.
-std::shared_ptr<const ClipSource> nvv_source();
-
 // The index of a clip that is one .nvv, of which the header is read.
 ClipIndex index_of_nvv(const std::filesystem::path& path);
 

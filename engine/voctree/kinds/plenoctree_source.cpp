@@ -10,11 +10,11 @@ class PlenoctreeSource : public ClipSource {
   public:
     explicit PlenoctreeSource(UpAxis up) : up_(up) {}
     FileStamp stamp(const ClipSegment& segment) const override { return neuvv::stamp_of(segment.file); }
-    // Without the counts of nodes and leaves.
     NvvHeader header(const ClipSegment& segment) const override {
         NvvHeader header{};
         std::tie(header.box_min, header.box_size) = read_plenoctree_box(segment.file, up_);
         header.frames = 1;
+        header.leaf_count = 1;  // some
         header.fps = VOctree{}.fps;
         return header;
     }

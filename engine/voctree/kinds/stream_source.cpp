@@ -25,8 +25,8 @@ class StreamSource : public ClipSource {
   public:
     explicit StreamSource(std::shared_ptr<stream::Reader> reader) : reader_(std::move(reader)) {
         for (const stream::Group& group : reader_->index().groups) {
-            bound_.leaves = std::max<uint64_t>(bound_.leaves, group.format.most_leaves);
-            bound_.degree = std::max(bound_.degree, group.format.degree);
+            const FrameBound one{group.format.most_leaves, group.format.degree};
+            if (one.leaves * sh_count(one.degree) >= bound_.leaves * sh_count(bound_.degree)) bound_ = one;
         }
     }
 
