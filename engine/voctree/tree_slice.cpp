@@ -24,7 +24,7 @@ struct LiveLeaf {
     float opacity = 0;  // along the mean of its edges
 };
 
-// In order of their cells. `edits`: those of the rows' time.
+// The leaves of at least slice::kLeastOpacity, in order of their cells. `edits`: those of the rows' time.
 std::vector<LiveLeaf> live_leaves(const VOctree& tree, const RowsAtTime& rows, const FrameEdits& edits) {
     const std::vector<LeafPosition> positions = leaf_positions(tree);
     std::vector<LiveLeaf> leaves(tree.leaf_count);

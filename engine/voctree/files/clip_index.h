@@ -29,7 +29,7 @@ struct ClipSegment {
     uint32_t frames_of_file() const { return frames + overlap; }
 };
 
-// The most leaves that a frame of a clip may have, those whose harmonics take most.
+// What one frame of a clip takes at most: that of the frames with most coefficients, leaves times harmonics.
 struct FrameBound {
     uint64_t leaves = 0;
     uint32_t degree = 0;
@@ -39,7 +39,7 @@ struct ClipIndex {
     float fps = 25;
     std::vector<ClipSegment> segments;  // at least one; without gaps from frame 0 on
     uint32_t frames() const { return segments.back().end(); }
-    std::optional<FrameBound> plays_by_frame() const;  // as its segments' sources say
+    std::optional<FrameBound> plays_by_frame() const;  // ClipSource::plays_by_frame of its segments
 };
 
 constexpr uint32_t kMaxClipFrames = 10'000'000;  // 46 hours at 60 fps

@@ -59,7 +59,8 @@ class ClipSource {
     // Throws InputError where there are no bases, which paint needs.
     virtual void expect_paintable() const {}
 
-    // Whether each frame is a segment, and comes as its slice while the clip plays: then what bounds each.
+    // What a frame takes at most, where each frame is a segment that comes as its slice while the clip plays; else
+    // nothing.
     virtual std::optional<FrameBound> plays_by_frame() const { return {}; }
     // Of such clips, the last part that comes in time; and what it took to bring a slice to the device, by which that
     // is chosen, too, for all who hold this source.

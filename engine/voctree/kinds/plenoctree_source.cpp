@@ -1,5 +1,7 @@
 #include "voctree/kinds/plenoctree_source.h"
 
+#include <tuple>
+
 #include "voctree/files/occupied_box.h"
 
 namespace neuvv::voctree {
