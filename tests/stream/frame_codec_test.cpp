@@ -117,13 +117,34 @@ TEST(FrameCodec, BlocksThatStayAreRepeated) {
         expect_same(decoded[i], frames.decoded[i]);
     }
     EXPECT_LT(error_of(decoded[2], moved, 1), 20);
-    // Where more should be repeated than is, it is a key frame.
-    stream::Steps steps;
-    steps.fill(20);
-    QuantisedSlice any;
-    EXPECT_FALSE(stream::encode(moved, steps, stream::FrameBefore{first, decoded[1], 0.5}, any).is_key);
-    EXPECT_TRUE(stream::encode(moved, steps, stream::FrameBefore{first, decoded[1], 0.95}, any).is_key);
     EXPECT_THROW(stream::decode(frames.bytes[1], stream::kShFine, frames.tables, format, nullptr), std::runtime_error);
+}
+
+// Whichever share of the frame before it repeats, it takes few more bytes than a key frame, or is one.
+TEST(FrameCodec, AFrameThatGainsLittleByRepeatsIsAKeyFrame) {
+    const QuantisedSlice first = random_slice(1, 6, 1500, 1);
+    size_t keys = 0;
+    for (const double share : {0.02, 0.1, 0.3, 0.6, 0.9}) {
+        QuantisedSlice next = first;
+        const auto begin = static_cast<size_t>(share * static_cast<double>(first.leaves.size()));
+        for (auto& plane : next.planes)
+            for (size_t i = begin; i < plane.size(); ++i) plane[i] = static_cast<int16_t>(1000 - plane[i]);
+        const auto bytes_of = [&](const Encoded& frames) {
+            size_t sum = 0;
+            for (const auto& part : frames.bytes.back().parts) sum += part.size();
+            return static_cast<double>(sum);
+        };
+        const Encoded after = encode({first, next}, 20), alone = encode({next}, 20);
+        EXPECT_LT(bytes_of(after), 1.1 * bytes_of(alone)) << share;
+        const bool is_key = after.bytes[1].parts[stream::kShape][0] == 1;
+        keys += is_key ? 1 : 0;
+        if (is_key)
+            EXPECT_LT(share, 0.5);
+        else
+            EXPECT_LT(bytes_of(after), bytes_of(alone)) << share;
+    }
+    EXPECT_GT(keys, 0u);
+    EXPECT_LT(keys, 5u);
 }
 
 TEST(FrameCodec, LeavesComeAndGo) {

@@ -69,23 +69,14 @@ std::optional<int> largest_strength(const std::function<bool(int)>& keeps) {
     return best;
 }
 
-// Where frames repeat less than this share of their leaves, every fourth is a key frame. Such a key frame takes 4 %
-// more bytes where it would repeat a tenth, but players decode frames of several key frames at the same time, and jump
-// there sooner.
-constexpr double kLittleRepeated = 0.2;
-constexpr uint32_t kFramesBetweenKeys = 4;
-
 std::vector<stream::FrameSymbols> encode_group(const std::vector<stream::QuantisedSlice>& slices, int strength) {
     std::vector<stream::FrameSymbols> frames;
     stream::QuantisedSlice decoded, before;
-    uint32_t of_key = 0;  // frames since the last key frame, with that one
     for (size_t i = 0; i < slices.size(); ++i) {
         before = std::move(decoded);
         std::optional<stream::FrameBefore> frame_before;
         if (i > 0) frame_before.emplace(stream::FrameBefore{slices[i - 1], before});
-        if (of_key >= kFramesBetweenKeys) frame_before->least_repeated = kLittleRepeated;
         frames.push_back(stream::encode(slices[i], steps_of(strength), frame_before, decoded, parallel_for));
-        of_key = frames.back().is_key ? 1 : of_key + 1;
     }
     return frames;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "stream/codec/bytes.h"
@@ -21,6 +22,8 @@ namespace {
 // From which fraction of a step on a coefficient is rounded up. Small ones cost more than they show.
 constexpr double kRoundUp = 0.6, kRoundUpSh = 0.67;
 constexpr int kMaxNumber = 32000;
+// A frame that repeats this share of its leaves takes fewer bytes than a key frame, without a look.
+constexpr double kMostlyRepeated = 0.75;
 
 // Coefficients as numbers of steps.
 std::vector<std::array<int16_t, kPairs>> numbers_of(const Coefficients& coefficients, double step, Kind kind) {
@@ -145,6 +148,63 @@ QuantisedSlice encode_repeated(const QuantisedSlice& slice, const FrameBefore& f
     return rest;
 }
 
+FrameSymbols no_symbols(const Steps& steps, size_t planes) {
+    FrameSymbols frame;
+    frame.steps = steps;
+    frame.roots.resize(planes);
+    frame.coarse.resize(planes);
+    frame.fine.resize(planes);
+    return frame;
+}
+
+// Encodes leaves that are not repeated, and returns them as they are decoded, with planes alone.
+QuantisedSlice encode_leaves(const QuantisedSlice& leaves, FrameSymbols& frame, const InParts& in_parts) {
+    frame.leaf_count = static_cast<uint32_t>(leaves.leaves.size());
+    QuantisedSlice decoded = without_leaves(leaves);
+    if (frame.leaf_count == 0) return decoded;
+    const Octree tree = octree_of(leaves.leaves, leaves.depth);
+    code_shape(frame.shape, tree, leaves.depth, frame.leaf_count);
+    encode_all_planes(leaves, tree, frame, decoded, in_parts);
+    return decoded;
+}
+
+FrameSymbols encode_key(const QuantisedSlice& slice, const Steps& steps, QuantisedSlice& decoded,
+                        const InParts& in_parts) {
+    FrameSymbols frame = no_symbols(steps, slice.planes.size());
+    decoded = encode_leaves(slice, frame, in_parts);
+    decoded.leaves = slice.leaves;
+    return frame;
+}
+
+// `repeated_share`: of the leaves.
+FrameSymbols encode_repeats(const QuantisedSlice& slice, const Steps& steps, const FrameBefore& before,
+                            QuantisedSlice& decoded, double& repeated_share, const InParts& in_parts) {
+    FrameSymbols frame = no_symbols(steps, slice.planes.size());
+    frame.is_key = false;
+    std::vector<uint32_t> repeated;
+    const QuantisedSlice rest = encode_repeated(slice, before, frame, repeated);
+    repeated_share =
+        static_cast<double>(repeated.size()) / static_cast<double>(std::max<size_t>(slice.leaves.size(), 1));
+    decoded = encode_leaves(rest, frame, in_parts);
+    MergedLeaves merged = merge_leaves(before.decoded.leaves, repeated, rest.leaves, slice.depth);
+    decoded.planes = merge_planes(merged, &before.decoded.planes, std::move(decoded.planes));
+    decoded.leaves = std::move(merged.leaves);
+    return frame;
+}
+
+// About how many bits a frame takes by the best tables of its own.
+double bits_of(const FrameSymbols& frame) {
+    Counts counts = no_counts();
+    count(frame, counts);
+    double bits = 0;
+    for (const std::vector<uint32_t>& table : counts) {
+        const auto all = static_cast<double>(std::accumulate(table.begin(), table.end(), uint64_t{0}));
+        for (const uint32_t one : table)
+            if (one > 0) bits += one * std::log2(all / one);
+    }
+    return bits;
+}
+
 }  // namespace
 
 void in_one_part(size_t count, size_t /*grain*/, const std::function<void(size_t begin, size_t end)>& run) {
@@ -153,31 +213,16 @@ void in_one_part(size_t count, size_t /*grain*/, const std::function<void(size_t
 
 FrameSymbols encode(const QuantisedSlice& slice, const Steps& steps, const std::optional<FrameBefore>& before,
                     QuantisedSlice& decoded, const InParts& in_parts) {
-    FrameSymbols frame;
-    frame.is_key = !before;
-    frame.steps = steps;
-    const size_t planes = slice.planes.size();
-    frame.roots.resize(planes);
-    frame.coarse.resize(planes);
-    frame.fine.resize(planes);
-    std::vector<uint32_t> repeated;
-    const QuantisedSlice rest = before ? encode_repeated(slice, *before, frame, repeated) : slice;
-    if (before &&
-        static_cast<double>(repeated.size()) < before->least_repeated * static_cast<double>(slice.leaves.size()))
-        return encode(slice, steps, std::nullopt, decoded, in_parts);
-    frame.leaf_count = static_cast<uint32_t>(rest.leaves.size());
-    QuantisedSlice coded = without_leaves(slice);
-    if (frame.leaf_count > 0) {
-        const Octree tree = octree_of(rest.leaves, rest.depth);
-        code_shape(frame.shape, tree, rest.depth, frame.leaf_count);
-        encode_all_planes(rest, tree, frame, coded, in_parts);
+    if (!before) return encode_key(slice, steps, decoded, in_parts);
+    QuantisedSlice decoded_repeats;
+    double repeated_share = 0;
+    FrameSymbols repeats = encode_repeats(slice, steps, *before, decoded_repeats, repeated_share, in_parts);
+    if (repeated_share < kMostlyRepeated) {
+        FrameSymbols key = encode_key(slice, steps, decoded, in_parts);
+        if (bits_of(key) <= kKeyWorth * bits_of(repeats)) return key;
     }
-    static const std::vector<Leaf> kNoLeaves;
-    MergedLeaves merged = merge_leaves(before ? before->decoded.leaves : kNoLeaves, repeated, rest.leaves, slice.depth);
-    coded.planes = merge_planes(merged, before ? &before->decoded.planes : nullptr, std::move(coded.planes));
-    coded.leaves = std::move(merged.leaves);
-    decoded = std::move(coded);
-    return frame;
+    decoded = std::move(decoded_repeats);
+    return repeats;
 }
 
 void count(const FrameSymbols& frame, Counts& counts) {

@@ -50,13 +50,16 @@ struct FrameSymbols {
 struct FrameBefore {
     const QuantisedSlice& slice;
     const QuantisedSlice& decoded;
-    // A frame that would repeat less than this share of its leaves is a key frame, which is decoded without any others.
-    double least_repeated = 0.05;
 };
 
-// Encodes a slice, without a frame before it as a key frame. Blocks of 4³ finest cells that are the same in the frame
-// before, or differ by less than rounding does, are repeated. `decoded` becomes what decode() returns. Planes are
-// encoded `in_parts`.
+// A key frame may take so many times the bytes of the same frame with repeats: it is decoded without any others, so
+// players get there at once, and may leave out those before it. Few repeats save nothing at all: what is left of the
+// shape is harder to foresee.
+constexpr double kKeyWorth = 1.05;
+
+// Encodes a slice, without a frame before it as a key frame, with one as what takes fewer bytes (kKeyWorth). Blocks of
+// 4³ finest cells that are the same in the frame before, or differ by less than rounding does, are repeated. `decoded`
+// becomes what decode() returns. Planes are encoded `in_parts`.
 FrameSymbols encode(const QuantisedSlice& slice, const Steps& steps, const std::optional<FrameBefore>& before,
                     QuantisedSlice& decoded, const InParts& in_parts = in_one_part);
 void count(const FrameSymbols& frame, Counts& counts);
