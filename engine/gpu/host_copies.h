@@ -2,6 +2,7 @@
 // draws, and for tests. Uploads run on the transfer queue where the device has one.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -29,6 +30,12 @@ class Uploads {
     // Creates a buffer on the device whose bytes are those that `write` writes, before this returns, in any order and
     // without reading any; others are undefined. Where the host sees the device's memory, they are written there.
     Buffer add_written(const char* name, uint64_t bytes, VkFormat format, const std::function<void(void*)>& write);
+    // The same of values, which need not exist until finish().
+    template <typename T>
+    Buffer add_copied(const char* name, const std::vector<T>& values, VkFormat format) {
+        return add_written(name, values.size() * sizeof(T), format,
+                           [&](void* to) { std::copy(values.begin(), values.end(), static_cast<T*>(to)); });
+    }
     // Copies through a staging buffer, which is filled again where it is too small for all, and waits.
     void finish();
 

@@ -1,6 +1,7 @@
 // Slices as the whole numbers that a stream has of them, and back (stream/README.md, "Planes").
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -30,10 +31,10 @@ struct ColourCurves {
     std::array<std::array<float, kColourHalves>, kMaxHhDegree + 1> per_unit;
 };
 const ColourCurves& colour_curves();
-// The index into them; colours beyond 0 or 1 are clamped.
-inline size_t colour_half(float units) {
-    constexpr float kLast = kColourHalves - 1;
-    return static_cast<size_t>(2 * units < 0 ? 0 : 2 * units > kLast ? kLast : 2 * units);
+// The index into them; colours beyond 0 or 1 are clamped. `units` must be what planes can say: then loops vectorise.
+inline uint16_t colour_half(float units) {
+    constexpr int32_t kLast = kColourHalves - 1;
+    return static_cast<uint16_t>(std::clamp(static_cast<int32_t>(2 * units), 0, kLast));
 }
 
 constexpr uint32_t degree_of_harmonic(uint32_t harmonic) {

@@ -1,5 +1,7 @@
 #include "render/volume/slices/slice_layout.h"
 
+#include <algorithm>
+#include <array>
 #include <cassert>
 
 #include "render/volume/slices/packed_position.h"
@@ -99,6 +101,33 @@ void join_levels(const std::vector<LayoutLevel>& levels, SliceLayout& layout) {
     layout.level_begin.push_back(static_cast<uint32_t>(layout.nodes.size()));
 }
 
+// Of the 64 cells of a node, those whose place along an axis is so many cells.
+constexpr auto kCellsAlong = [] {
+    std::array<std::array<uint64_t, 4>, 3> cells{};
+    for (uint32_t bit = 0; bit < 64; ++bit)
+        for (uint32_t axis = 0; axis < 3; ++axis)
+            cells[axis][2 * (bit >> (3 + axis) & 1) + (bit >> axis & 1)] |= uint64_t{1} << bit;
+    return cells;
+}();
+
+// Around all leaves, in cells of the finest depth.
+CellBounds bounds_of(const std::vector<LayoutLevel>& levels) {
+    CellBounds bounds{glm::uvec3(UINT32_MAX), glm::uvec3(0)};
+    for (uint32_t at = 0; at < levels.size(); ++at) {
+        const auto shift = static_cast<uint32_t>(2 * (levels.size() - 1 - at));
+        for (const LayoutNode& node : levels[at].nodes)
+            for (uint32_t axis = 0; axis < 3; ++axis)
+                for (uint32_t along = 0; along < 4; ++along) {
+                    if (!((node.live & ~node.inner) & kCellsAlong[axis][along])) continue;
+                    const auto place = static_cast<int>(axis);
+                    const uint32_t cell = 4 * node.corner[place] + along;
+                    bounds.low[place] = std::min(bounds.low[place], cell << shift);
+                    bounds.last[place] = std::max(bounds.last[place], ((cell + 1) << shift) - 1);
+                }
+    }
+    return bounds;
+}
+
 // How many leaves with opacity each depth has.
 LeavesOfDepth count_leaves(const stream::QuantisedSlice& slice) {
     LeavesOfDepth counts{};
@@ -117,7 +146,6 @@ SliceLayout slice_layout(const stream::QuantisedSlice& slice, std::span<glm::uve
     const uint32_t above = layout.scale - 1, depth = slice.depth + above, finest = 2 * layout.node_levels;
     const int16_t* opacity = slice.planes[stream::kOpacityPlane].data();
     layout.entry_of_leaf.resize(slice.leaves.size(), kNoLeaf);
-    CellBounds bounds{glm::uvec3(UINT32_MAX), glm::uvec3(0)};
     for (size_t i = 0; i < slice.leaves.size(); ++i) {
         const uint64_t cell = slice.leaves[i].cell;
         const uint32_t own_depth = slice.leaves[i].depth + above;
@@ -129,12 +157,9 @@ SliceLayout slice_layout(const stream::QuantisedSlice& slice, std::span<glm::uve
             builder.add(depth > finest ? cell >> 3 * (depth - finest) : cell << 3 * (finest - depth), own_depth);
         positions[i] = packed_position(placed.at, own_depth);
         layout.entry_of_leaf[i] = placed.entry;
-        const uint32_t shift = finest - own_depth;
-        bounds.low = glm::min(bounds.low, placed.at << shift);
-        bounds.last = glm::max(bounds.last, ((placed.at + 1u) << shift) - 1u);
     }
     join_levels(builder.levels(), layout);
-    if (layout.entries == 0) bounds = {};
+    const CellBounds bounds = layout.entries == 0 ? CellBounds{} : bounds_of(builder.levels());
     layout.top = top_grid(layout.node_levels, bounds, layout.level_begin, layout.node_positions);
     layout.entries_before.resize(slice.depth + 1);
     for (uint32_t leaf_depth = 1, before = 0, level = 0; leaf_depth <= slice.depth; ++leaf_depth) {

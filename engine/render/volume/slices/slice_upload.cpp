@@ -7,6 +7,7 @@
 
 #include "base/threads/parallel.h"
 #include "base/trace_file.h"
+#include "base/vector_clones.h"
 #include "gpu/host_copies.h"
 #include "render/volume/slices/slice_layout.h"
 #include "slice/quantise.h"
@@ -65,7 +66,7 @@ class EntryWriter {
     using Floats = std::array<float, kBlock>;
     using Halves = std::array<uint16_t, kBlock>;
 
-    void write_block(size_t first, size_t count) {
+    NEUVV_VECTOR_CLONES void write_block(size_t first, size_t count) {
         for (uint32_t harmonic = 0; harmonic < functions_; ++harmonic) {
             read_colours(harmonic, first, count);
             harmonic == 0 ? mean_coefficients(count) : coefficients(harmonic, count);
@@ -104,7 +105,7 @@ class EntryWriter {
         for (size_t c = 0; c < 3; ++c) {
             const float* shown = shown_[c].data();
             uint16_t *mean = mean_[c].data(), *halves = halves_[c].data();
-            for (size_t i = 0; i < count; ++i) mean[i] = static_cast<uint16_t>(slice::colour_half(shown[i]));
+            for (size_t i = 0; i < count; ++i) mean[i] = slice::colour_half(shown[i]);
             for (size_t i = 0; i < count; ++i) halves[i] = of_half[mean[i]];
         }
     }
@@ -167,17 +168,17 @@ Field upload_slice(const gpu::Device& device, const stream::QuantisedSlice& slic
     field.hh_degree = slice.degree;
     set_shape(field, layout, box_size);
     const std::vector<LiveCount> counts{{gpu::groups_of(layout.entries, kSliceGroup), 1, 1, layout.entries, 0}};
-    field.links = uploads.add("tree links", layout.top.cells, VK_FORMAT_R32_UINT);
-    field.node_cells = uploads.add("node cells", layout.inner_cells, VK_FORMAT_R32G32_UINT);
-    field.node_positions = uploads.add("node positions", layout.node_positions, VK_FORMAT_R32G32_UINT);
+    field.links = uploads.add_copied("tree links", layout.top.cells, VK_FORMAT_R32_UINT);
+    field.node_cells = uploads.add_copied("node cells", layout.inner_cells, VK_FORMAT_R32G32_UINT);
+    field.node_positions = uploads.add_copied("node positions", layout.node_positions, VK_FORMAT_R32G32_UINT);
     const uint64_t entry_bytes = sizeof(glm::uvec2) * sh_count(slice.degree);
     SliceBuffers built{
-        uploads.add("slice nodes", layout.nodes, VK_FORMAT_R32G32B32A32_UINT),
+        uploads.add_copied("slice nodes", layout.nodes, VK_FORMAT_R32G32B32A32_UINT),
         uploads.add_written("slice entries", entry_bytes * layout.entries, VK_FORMAT_R32G32_UINT,
                             [&](void* to) { write_entries(slice, layout, box_size, static_cast<glm::uvec2*>(to)); }),
         uploads.add_written("leaves of entries", sizeof(uint32_t) * layout.entries, VK_FORMAT_R32_UINT,
                             [&](void* to) { write_entry_leaves(slice, layout, static_cast<uint32_t*>(to)); }),
-        uploads.add("counts of entries", counts, VK_FORMAT_UNDEFINED)};
+        uploads.add_copied("counts of entries", counts, VK_FORMAT_UNDEFINED)};
     field.slice = std::make_shared<const SliceTrees>(std::move(built), field.node_count(), layout.entries);
     uploads.finish();
     return field;
