@@ -56,7 +56,7 @@ http {{
   uwsgi_temp_path {0}/uwsgi; scgi_temp_path {0}/scgi;
   server {{
     listen 127.0.0.1:{1}; root {0};
-    location /slow/ {{ alias {0}/; limit_rate 300k; }}
+    location /slow/ {{ alias {0}/; limit_rate 200k; }}
     location /moved/ {{ rewrite ^/moved/(.*)$ /$1 redirect; }}
     location /circle/ {{ return 302 $request_uri; }}
     location /busy/ {{ return 503; }}

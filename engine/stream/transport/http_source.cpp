@@ -268,12 +268,12 @@ void HttpSource::keep_copies(uint64_t first, const std::vector<uint8_t>& bytes) 
                       std::span(bytes).subspan(begin, std::min<uint64_t>(kBlock, bytes.size() - begin)));
 }
 
-// The first of these blocks that are not here, as many as follow each other; none where all are.
-HttpSource::Blocks HttpSource::missing_locked(const Blocks& in) const {
+// The first of these blocks that are not here, as many as follow each other, up to `most`; none where all are.
+HttpSource::Blocks HttpSource::missing_locked(const Blocks& in, uint64_t most) const {
     Blocks missing{in.first, in.first};
     while (missing.first < in.end && blocks_.contains(missing.first)) ++missing.first;
     missing.end = missing.first;
-    while (missing.end < in.end && missing.count() < kMostOfARequest && !blocks_.contains(missing.end)) ++missing.end;
+    while (missing.end < in.end && missing.count() < most && !blocks_.contains(missing.end)) ++missing.end;
     return missing;
 }
 
@@ -377,8 +377,10 @@ HttpSource::Blocks HttpSource::missing_needed_locked() const {
 
 // Of what is read next: the first blocks that are not here.
 HttpSource::Blocks HttpSource::missing_ahead_locked() const {
+    const double bytes = recent_s_ > 0 ? kRequestAhead_s * recent_bytes_ / recent_s_ : 0;
+    const uint64_t most = std::clamp<uint64_t>(static_cast<uint64_t>(bytes) / kBlock, 1, kMostOfARequest);
     for (const Blocks& blocks : ahead_)
-        if (const Blocks missing = missing_locked(blocks); missing.count() > 0) return missing;
+        if (const Blocks missing = missing_locked(blocks, most); missing.count() > 0) return missing;
     return {};
 }
 

@@ -37,7 +37,9 @@ class HttpSource : public ByteSource {
 
     static constexpr uint64_t kBlock = uint64_t{64} << 10;
     static constexpr uint64_t kMostBlocks = 1024;    // 64 MiB
-    static constexpr uint64_t kMostOfARequest = 16;  // blocks; who waits for others must wait for these first
+    static constexpr uint64_t kMostOfARequest = 16;  // blocks
+    // Of what is read ahead, no more than comes in so many seconds: who waits for others must wait for these first.
+    static constexpr double kRequestAhead_s = 0.15;
     static constexpr uint64_t kMostAhead = kMostBlocks / 2;
 
   private:
@@ -57,7 +59,7 @@ class HttpSource : public ByteSource {
         Blocks blocks;
         std::exception_ptr failure{};
     };
-    Blocks missing_locked(const Blocks& in) const;
+    Blocks missing_locked(const Blocks& in, uint64_t most = kMostOfARequest) const;
     Blocks missing_needed_locked() const;
     Blocks missing_ahead_locked() const;
     void measure_locked(uint64_t bytes, double seconds);
