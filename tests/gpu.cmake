@@ -80,6 +80,8 @@ neuvv_gpu_assisted_test(render_test "SliceTree*:Instances*:RayGrid*:Merge*" 200)
 neuvv_gpu_assisted_test(set_raster_test "SetFrameTest.TheSet*:SetFrameTest.Glass*:SetShadow*" 50)
 neuvv_test(stage_clips_test GPU
   SOURCES
+    render/frame_pace_test.cpp
+    render/ladder_test.cpp
     render/stage_clips_test.cpp
     render/stage_stream_test.cpp
     render/stage_pick_test.cpp

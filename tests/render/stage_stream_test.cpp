@@ -64,6 +64,27 @@ TEST_F(StageStreamTest, WhatComesInTimeIsShownUntilTheClockStands) {
     EXPECT_TRUE(clips.problems().empty());
 }
 
+// A frame takes half a second to come, and is shown for a 25th: those whose time is over by then are not asked for.
+TEST_F(StageStreamTest, FramesThatWouldComeTooLateAreLeftOut) {
+    const render::StageAssets assets = render::StageLoader(device()).load(*stage);
+    {
+        render::StageClips clips(assets);
+        uint32_t asked = 0;
+        const auto playing = [&] { return (asked++ / 20 % kFrames) / 25.0; };
+        const auto& frames = clips.clips()[0].segments;
+        ASSERT_TRUE(follow(clips, playing, [&] { return frames[1].coarse && frames[2].coarse && frames[3].coarse; }));
+    }
+    EXPECT_GT(assets.files->lead_s(assets.clips[0].index.segments[0].source), kFrames / 25.0);
+    render::StageClips clips(assets);
+    const auto is_there = [&](uint32_t frame) {
+        return clips.clips()[0].segments[frame].loaded || clips.clips()[0].segments[frame].coarse;
+    };
+    uint32_t asked = 0;
+    const auto within_the_first = [&] { return 1e-6 * ++asked; };
+    ASSERT_TRUE(follow(clips, within_the_first, [&] { return is_there(1) || is_there(2) || is_there(3); }));
+    EXPECT_TRUE(is_there(3) && !is_there(1) && !is_there(2)) << "the last is shown from then on";
+}
+
 // Whoever renders waits for all of it.
 TEST_F(StageStreamTest, ImagesThatNobodyWaitsForHaveAllOfAFrame) {
     render::StageClips clips(render::StageLoader(device()).load(*stage));

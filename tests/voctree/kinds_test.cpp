@@ -54,7 +54,7 @@ TEST_F(KindsTest, ANvvHoldsATree) {
     EXPECT_EQ(source.header(segment).leaf_count, tree.leaf_count);
     EXPECT_FALSE(source.plays_by_frame());
     EXPECT_FALSE(source.has_server());
-    EXPECT_EQ(source.part_in_time(segment), stream::kShFine);
+    EXPECT_FALSE(source.bytes_per_s());
     source.expect_paintable();
     const voctree::SegmentContent content = content_of(segment);
     ASSERT_TRUE(std::holds_alternative<voctree::VOctree>(content));

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/seconds.h"
 #include "base/trace_file.h"
 #include "stream/transport/byte_source.h"
-#include "stream/transport/ladder.h"
 
 namespace neuvv::render {
 
@@ -56,13 +56,29 @@ void ClipFiles::end_reading(const voctree::ClipSegment& segment, const std::shar
     changed_.notify_all();
 }
 
+std::shared_ptr<FramePace> ClipFiles::pace_of(const std::shared_ptr<const voctree::ClipSource>& source) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(paces_, [](const auto& one) { return one.first.expired(); });
+    std::shared_ptr<FramePace>& pace = paces_[source];
+    if (!pace) pace = std::make_shared<FramePace>();
+    return pace;
+}
+
+// Reads and uploads it, of a frame of a stream the parts up to `last`.
+std::shared_ptr<const LoadedClip> ClipFiles::load(const voctree::ClipSegment& segment, const FileStamp& stamp,
+                                                  stream::Part last) {
+    auto clip = std::make_shared<const LoadedClip>(
+        LoadedClip{upload_segment(device_, segment, FarLevels::kYes, solid_, last), segment.file, stamp});
+    if (clip->times) pace_of(segment.source)->learn(*clip->times);
+    return clip;
+}
+
 std::shared_ptr<const LoadedClip> ClipFiles::read_once(const voctree::ClipSegment& segment) {
     const FileStamp stamp = segment.source->stamp(segment);
     if (auto known = begin_reading(segment, stamp)) return known;
     try {
         const TraceSpan span("read a segment of frame", segment.first);
-        auto clip = std::make_shared<const LoadedClip>(
-            LoadedClip{upload_segment(device_, segment, FarLevels::kYes, solid_), segment.file, stamp});
+        auto clip = load(segment, stamp, stream::kShFine);
         end_reading(segment, clip);
         return clip;
     } catch (...) {
@@ -130,6 +146,7 @@ void ClipFiles::read_ahead(std::vector<Wanted> wanted) {
         const std::lock_guard lock(mutex_);
         if (wanted_.empty() && wanted.empty()) return;
         wanted_.assign(wanted.begin(), wanted.end());
+        wanted_s_ = seconds_now();
         if (threads_.empty())
             for (uint32_t i = 0; i <= stream::frames_at_once(); ++i) threads_.emplace_back([this, i] { run(i > 0); });
     }
@@ -161,8 +178,9 @@ void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
 }
 
 // Returns false, and does nothing, where all of the frame comes in time, or is there.
-bool ClipFiles::read_in_time(const voctree::ClipSegment& segment) {
-    const stream::Part last = segment.source->part_in_time(segment);
+bool ClipFiles::read_in_time(const voctree::ClipSegment& segment, double asked_s) {
+    const stream::Part last =
+        pace_of(segment.source)->part_in_time(segment.source->group_cost(segment), segment.source->bytes_per_s());
     if (last == stream::kShFine) return false;
     const FileStamp stamp = segment.source->stamp(segment);
     if (begin_reading(segment, stamp)) return false;
@@ -172,8 +190,8 @@ bool ClipFiles::read_in_time(const voctree::ClipSegment& segment) {
     }
     try {
         const TraceSpan span("read a part of frame", segment.first);
-        auto clip = std::make_shared<const LoadedClip>(
-            LoadedClip{upload_segment(device_, segment, FarLevels::kYes, solid_, last), segment.file, stamp});
+        std::shared_ptr<const LoadedClip> clip = load(segment, stamp, last);
+        pace_of(segment.source)->learn_arrival(seconds_now() - asked_s);
         add_result({segment.file, stamp, std::move(clip), "", true, {}});
     } catch (...) {
         end_reading(segment, nullptr);
@@ -183,12 +201,14 @@ bool ClipFiles::read_in_time(const voctree::ClipSegment& segment) {
     return true;
 }
 
-void ClipFiles::read_one_ahead(const Wanted& wanted) {
+void ClipFiles::read_one_ahead(const Wanted& wanted, double asked_s) {
     const FileStamp stamp = wanted.segment.source->stamp(wanted.segment);
     try {
-        if (wanted.in_time && read_in_time(wanted.segment)) return;
+        if (wanted.in_time && read_in_time(wanted.segment, asked_s)) return;
         if (wanted.is_urgent && !find(wanted.segment)) read_coarse(wanted.segment);
         const std::shared_ptr<const LoadedClip> clip = read_once(wanted.segment);
+        if (wanted.in_time && wanted.segment.source->plays_by_frame())
+            pace_of(wanted.segment.source)->learn_arrival(seconds_now() - asked_s);
         add_result({wanted.segment.file, stamp, clip, {}, false, read_paints(wanted.segment, *clip, wanted.layers)});
     } catch (const stream::ServerProblem& problem) {
         add_result({wanted.segment.file, stamp, nullptr, Note(problem), false, {}, true});
@@ -222,6 +242,7 @@ void ClipFiles::run(bool frames) {
     name_trace_thread(frames ? "reads frames" : "reads files");
     for (;;) {
         Wanted next;
+        double asked_s = 0;
         {
             std::unique_lock lock(mutex_);
             changed_.wait(lock, [&] { return stop_ || next_locked(frames) != wanted_.end(); });
@@ -229,8 +250,9 @@ void ClipFiles::run(bool frames) {
             const auto chosen = next_locked(frames);
             next = std::move(*chosen);
             wanted_.erase(chosen);
+            asked_s = wanted_s_;
         }
-        read_one_ahead(next);
+        read_one_ahead(next, asked_s);
     }
 }
 

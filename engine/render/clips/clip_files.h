@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/file_stamp.h"
+#include "render/clips/frame_pace.h"
 #include "render/clips/segment_paint.h"
 #include "render/clips/uploaded_segment.h"
 
@@ -54,11 +55,13 @@ class ClipFiles {
         voctree::ClipSegment segment;
         bool is_urgent = false;              // its coarse tree is read first, where the file has one
         std::vector<LayerFolders> layers{};  // of which the paint is read, too
-        bool in_time = false;                // of a frame of a stream: what comes in time is enough (stream::Ladder)
+        bool in_time = false;                // of a frame of a stream: what comes in time is enough (FramePace)
     };
     // Has these segments read on the threads, in this order. They replace those of earlier calls that are not being
     // read yet. Where the device has no memory for one, the thread leaves it out and pauses for a second.
     void read_ahead(std::vector<Wanted> wanted);
+    // After how many seconds frames of this stream are there that are wanted in time (FramePace::lead_s).
+    double lead_s(const std::shared_ptr<const voctree::ClipSource>& source) { return pace_of(source)->lead_s(); }
 
     // A segment that a thread has read, or what says why it could not.
     struct Result {
@@ -80,11 +83,14 @@ class ClipFiles {
     std::shared_ptr<const LoadedClip> find_locked(const std::filesystem::path& path, const FileStamp& stamp) const;
     std::shared_ptr<const LoadedClip> begin_reading(const voctree::ClipSegment& segment, const FileStamp& stamp);
     void end_reading(const voctree::ClipSegment& segment, const std::shared_ptr<const LoadedClip>& whole);
+    std::shared_ptr<FramePace> pace_of(const std::shared_ptr<const voctree::ClipSource>& source);
+    std::shared_ptr<const LoadedClip> load(const voctree::ClipSegment& segment, const FileStamp& stamp,
+                                           stream::Part last);
     std::shared_ptr<const LoadedClip> read_once(const voctree::ClipSegment& segment);
     bool wait_for_others();
     void read_coarse(const voctree::ClipSegment& segment);
-    bool read_in_time(const voctree::ClipSegment& segment);
-    void read_one_ahead(const Wanted& wanted);
+    bool read_in_time(const voctree::ClipSegment& segment, double asked_s);
+    void read_one_ahead(const Wanted& wanted, double asked_s);
     bool has_result(const voctree::ClipSegment& segment);
     void add_result(Result result);
     void pause();
@@ -103,6 +109,8 @@ class ClipFiles {
     };
     std::vector<KnownPaint> known_paints_;  // all that are in use
     std::deque<Wanted> wanted_;
+    double wanted_s_ = 0;  // seconds_now() at which they were
+    std::map<std::weak_ptr<const voctree::ClipSource>, std::shared_ptr<FramePace>, std::owner_less<>> paces_;
     std::map<std::filesystem::path, std::shared_ptr<const voctree::ClipSource>> being_read_;
     std::vector<Result> results_;
     bool stop_ = false;

@@ -62,6 +62,7 @@ StageClips::StageClips(const StageAssets& assets)
 void StageClips::go_on_from(const StageClips& before) {
     last_s_ = before.last_s_;
     direction_ = before.direction_;
+    moved_s_ = before.moved_s_;
     // The same file at the same place in the same clip, though that may have another number now.
     const auto now = [&](const Id& id) -> std::optional<Id> {
         const auto found = ids_.find(before.file_of(id).file);
@@ -222,17 +223,28 @@ std::vector<StageClips::Id> StageClips::needed_at(const stage::EvaluatedStage& e
     return needed;
 }
 
-// What the performers show next, the earliest first.
-std::vector<StageClips::Id> StageClips::ahead_of(const stage::Stage& stage,
-                                                 const stage::EvaluatedStage& evaluated) const {
+// For how long what is asked for now of a clip that plays by frame is not there yet, while the clock goes on and no
+// image waits for it: frames of which the time is over by then are not worth beginning with.
+double StageClips::lead_s(uint32_t clip, MissingSegments missing) const {
+    const bool goes_on = moved_s_ > 0 && seconds_now() - moved_s_ < kStands_s;
+    if (!goes_on || missing == MissingSegments::kWait || !clips_[clip].index.plays_by_frame()) return 0;
+    return files_->lead_s(clips_[clip].index.segments[0].source);
+}
+
+// What the performers show next, the earliest first: what is there, or will be by the time at which it is shown.
+std::vector<StageClips::Id> StageClips::ahead_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated,
+                                                 MissingSegments missing) const {
+    std::vector<double> leads_s;
     std::vector<Id> ahead;
     double step_s = kAheadStep_s, until_s = 0;
-    for (const ClipOnDevice& clip : clips_) {
+    for (uint32_t i = 0; i < clips_.size(); ++i) {
+        const ClipOnDevice& clip = clips_[i];
         const bool by_frame = clip.index.plays_by_frame().has_value();
         const double frame_s = 1 / double{clip.index.fps};
+        leads_s.push_back(lead_s(i, missing));
         if (by_frame) step_s = std::min(step_s, frame_s);
         // Of frames, no more than there is room for.
-        until_s = std::max(until_s, by_frame ? std::min(kAhead_s, room_of(clip) * frame_s) : kAhead_s);
+        until_s = std::max(until_s, by_frame ? std::min(kAhead_s, leads_s[i] + room_of(clip) * frame_s) : kAhead_s);
     }
     step_s = std::max(step_s, kLeastStep_s);
     for (double after_s = step_s; after_s <= until_s; after_s += step_s)
@@ -241,7 +253,7 @@ std::vector<StageClips::Id> StageClips::ahead_of(const stage::Stage& stage,
             performer.frame = static_cast<float>(stage::frame_at(stage.performers[performer.performer].timeline,
                                                                  evaluated.time_s + direction_ * after_s));
             for (const Id& id : segments_of(performer))
-                if (!contains(ahead, id)) ahead.push_back(id);
+                if ((after_s >= leads_s[id.clip] || drawn(at(id))) && !contains(ahead, id)) ahead.push_back(id);
         }
     return ahead;
 }
@@ -327,8 +339,9 @@ void StageClips::note_needed(const std::vector<Id>& needed) {
     needed_since_s_ = std::move(since);
 }
 
-// What is wanted of the threads: first what performers show, then what is ahead. Of a frame of a stream, what comes in
-// time is enough while performers move; of one that is shown for longer, the rest is wanted, too.
+// What is wanted of the threads: first what performers show, then what is ahead, last what comes too late. Of a frame
+// of a stream, what comes in time is enough while performers move; of one that is shown for longer, the rest is wanted,
+// too.
 std::vector<ClipFiles::Wanted> StageClips::wanted_of(const std::vector<Id>& needed, const std::vector<Id>& ahead,
                                                      const std::set<Id>& kept, MissingSegments missing) const {
     const double now_s = seconds_now();
@@ -340,20 +353,28 @@ std::vector<ClipFiles::Wanted> StageClips::wanted_of(const std::vector<Id>& need
         const bool is_enough = in_time && at(id).coarse && clips_[id.clip].index.plays_by_frame();
         if (is_missing(id) && !is_enough) wanted.push_back({file_of(id), is_urgent, clips_[id.clip].layers, in_time});
     };
-    for (const Id& id : needed) add(id, !at(id).coarse, !stands(id));
+    const auto is_late = [&](const Id& id) { return lead_s(id.clip, missing) > 0 && !contains(ahead, id); };
+    for (const Id& id : needed)
+        if (!is_late(id)) add(id, !at(id).coarse, !stands(id));
     for (const Id& id : ahead)
         if (kept.contains(id) && !contains(needed, id)) add(id, false, !all_stand);
+    for (const Id& id : needed)
+        if (is_late(id)) add(id, false, true);
     return wanted;
 }
 
 void StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, MissingSegments missing) {
     if (ids_.empty()) return;
-    if (const double step_s = evaluated.time_s - last_s_; step_s != 0 && std::abs(step_s) < kJump_s)
+    if (const double step_s = evaluated.time_s - last_s_; std::abs(step_s) >= kJump_s) {
+        moved_s_ = 0;
+    } else if (step_s != 0) {
         direction_ = step_s < 0 ? -1 : 1;
+        moved_s_ = seconds_now();
+    }
     last_s_ = evaluated.time_s;
     take_results();
     show_late_frames(evaluated);
-    const std::vector<Id> needed = needed_at(evaluated), ahead = ahead_of(stage, evaluated);
+    const std::vector<Id> needed = needed_at(evaluated), ahead = ahead_of(stage, evaluated, missing);
     const std::set<Id> kept = chosen(needed, ahead);
     drop_all_but(kept);
     remember(evaluated);

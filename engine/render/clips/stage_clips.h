@@ -98,12 +98,14 @@ class StageClips {
     const voctree::ClipSegment& file_of(const Id& id) const { return clips_[id.clip].index.segments[id.segment]; }
     Shown wanted_by(const stage::EvaluatedPerformer& performer) const;
     std::vector<Id> segments_of(const stage::EvaluatedPerformer& performer) const;
+    double lead_s(uint32_t clip, MissingSegments missing) const;
     bool is_missing(const Id& id) const { return at(id).readable && !at(id).loaded; }
     void take_results();
     void fail(const Id& id, const Note& problem);
     void take(const Id& id, std::shared_ptr<const LoadedClip> loaded, ClipFiles::Paints paints);
     std::vector<Id> needed_at(const stage::EvaluatedStage& evaluated) const;
-    std::vector<Id> ahead_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) const;
+    std::vector<Id> ahead_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated,
+                             MissingSegments missing) const;
     std::set<Id> chosen(const std::vector<Id>& needed, const std::vector<Id>& ahead) const;
     void drop_all_but(const std::set<Id>& kept);
     void show_late_frames(const stage::EvaluatedStage& evaluated);
@@ -126,6 +128,7 @@ class StageClips {
     std::vector<std::shared_ptr<const LoadedClip>> dropped_;
     std::map<Id, double> needed_since_s_;  // seconds_now(), of what performers show
     double last_s_ = 0, direction_ = 1;    // of the stage's clock: 1 or −1
+    double moved_s_ = 0;                   // seconds_now() at which it went on; 0: it jumped, or never did
 };
 
 }  // namespace neuvv::render

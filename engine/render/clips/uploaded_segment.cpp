@@ -34,8 +34,9 @@ UploadedSegment upload_segment(const gpu::Device& device, const voctree::ClipSeg
         return uploaded;
     }
     const double begin_s = seconds_now();
-    UploadedSegment uploaded = upload_frame(device, std::get<voctree::FrameSlice>(content), solid);
-    segment.source->learn_upload(seconds_now() - begin_s);
+    const auto& frame = std::get<voctree::FrameSlice>(content);
+    UploadedSegment uploaded = upload_frame(device, frame, solid);
+    uploaded.times = SegmentTimes{frame.times, seconds_now() - begin_s};
     return uploaded;
 }
 

@@ -14,10 +14,17 @@ namespace neuvv::render {
 // Whether to find the solid parts of each file, which the headset alone needs.
 enum class SolidParts { kNo, kYes };
 
+// What it took to bring a frame of a stream to the device.
+struct SegmentTimes {
+    stream::DecodeTimes decoded;
+    double upload_s = 0;
+};
+
 struct UploadedSegment {
     Field field;
     voctree::PaintedField painted;                      // nothing of a frame of a stream, which has no paint
     std::shared_ptr<const voctree::SolidLeaves> solid;  // of the file, needs no device; null without SolidParts::kYes
+    std::optional<SegmentTimes> times{};                // nothing of a file
 };
 
 enum class FarLevels { kNo, kYes };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "stream/codec/bytes.h"
 #include "stream/codec/shape.h"
@@ -132,20 +133,19 @@ class PlanesReader {
 
 }  // namespace
 
-QuantisedSlice decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
-                             const Format& format, const QuantisedSlice* before, const InParts& in_parts) {
-    QuantisedSlice slice{format.depth, format.degree, shape.merged.leaves, {}};
-    slice.planes = merge_planes(shape.merged, before ? &before->planes : nullptr,
-                                PlanesReader(shape, bytes, last, tables, format, in_parts).read());
-    return slice;
+Planes decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
+                     const Format& format, const QuantisedSlice* before, const InParts& in_parts) {
+    return merge_planes(shape.merged, before ? &before->planes : nullptr,
+                        PlanesReader(shape, bytes, last, tables, format, in_parts).read());
 }
 
 QuantisedSlice decode(const FrameBytes& frame, Part last, const Tables& tables, const Format& format,
                       const QuantisedSlice* before) {
-    const FrameShape shape = decode_shape(frame.parts[kShape], tables, format, before ? &before->leaves : nullptr);
+    FrameShape shape = decode_shape(frame.parts[kShape], tables, format, before ? &before->leaves : nullptr);
     PartBytes bytes;
     for (uint32_t part = 0; part <= last; ++part) bytes[part] = frame.parts[part];
-    return decode_planes(shape, bytes, last, tables, format, before);
+    Planes planes = decode_planes(shape, bytes, last, tables, format, before);
+    return {format.depth, format.degree, std::move(shape.merged.leaves), std::move(planes)};
 }
 
 }  // namespace neuvv::stream

@@ -35,10 +35,10 @@ FrameShape decode_shape(std::span<const uint8_t> bytes, const Tables& tables, co
 // The bytes of the parts that there are, from kShape on. That one's are not read.
 using PartBytes = std::array<std::span<const uint8_t>, kParts>;
 
-// Decodes the parts after kShape up to `last`. `before` is the frame before, decoded from as many parts; it is not read
-// where the frame repeats nothing of it. Planes of colours are decoded `in_parts`.
-QuantisedSlice decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
-                             const Format& format, const QuantisedSlice* before, const InParts& in_parts = in_one_part);
+// The planes of all leaves, from the parts after kShape up to `last`. `before` is the frame before, decoded from as
+// many parts; it is not read where the frame repeats nothing of it. Planes of colours are decoded `in_parts`.
+Planes decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
+                     const Format& format, const QuantisedSlice* before, const InParts& in_parts = in_one_part);
 
 // Both steps, from the bytes of all parts one after the other.
 QuantisedSlice decode(const FrameBytes& frame, Part last, const Tables& tables, const Format& format,

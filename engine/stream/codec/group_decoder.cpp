@@ -39,12 +39,13 @@ PartBytes c_parts_of(std::span<const uint8_t> bytes, const uint32_t* part_bytes,
 }
 
 QuantisedSlice decoded_next(const NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t parts) {
-    const FrameShape shape =
+    FrameShape shape =
         decode_shape(bytes[kShape], group.tables, group.format, group.last ? &group.last->leaves : nullptr);
     if (!shape.is_key && parts != group.last_parts)
         throw std::runtime_error("needs as many parts as the frame before it");
-    return decode_planes(shape, bytes, static_cast<Part>(parts - 1), group.tables, group.format,
-                         group.last ? &*group.last : nullptr);
+    Planes planes = decode_planes(shape, bytes, static_cast<Part>(parts - 1), group.tables, group.format,
+                                  group.last ? &*group.last : nullptr);
+    return {group.format.depth, group.format.degree, std::move(shape.merged.leaves), std::move(planes)};
 }
 
 }  // namespace

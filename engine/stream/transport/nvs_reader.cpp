@@ -30,6 +30,10 @@ std::vector<uint8_t> inflated(std::span<const uint8_t> bytes, size_t count) {
 
 }  // namespace
 
+uint32_t frames_at_once() {
+    return std::clamp(std::thread::hardware_concurrency() / 2, 1u, 8u);
+}
+
 bool is_stream(const std::filesystem::path& path) {
     if (is_address(path)) return true;
     std::error_code error;
@@ -78,6 +82,17 @@ Reader::Reader(const std::filesystem::path& path) : path_(path) {
         source_->forget_copies();
         throw InputError(path_.string(), bad.place, bad.what(), bad.fix);
     }
+    // Most players show the first frame first. It comes while they get ready.
+    std::vector<ByteRange> first = parts_of(0, kShFine);
+    first.insert(first.begin(), {index_.groups[0].offset, index_.groups[0].table_bytes});
+    source_->read_ahead(first);
+}
+
+std::vector<ByteRange> Reader::parts_of(uint32_t frame, Part last) const {
+    std::vector<ByteRange> ranges;
+    for (uint32_t part = kShape; part <= last; ++part)
+        ranges.push_back(index_.place_of(frame, static_cast<Part>(part)));
+    return ranges;
 }
 
 std::vector<uint8_t> Reader::part_of(uint32_t frame, Part part) {
@@ -102,9 +117,9 @@ const Tables& Reader::tables_of(const FrameInProgress& begun) {
     }
 }
 
-// What is missing of the frame's group, and the groups behind it, are fetched while the frame is decoded.
+// What is missing of the frame, of its group, and the groups behind it, are fetched while the frame is decoded.
 void Reader::read_ahead(uint32_t frame, Part last) {
-    std::vector<ByteRange> ranges;
+    std::vector<ByteRange> ranges = parts_of(frame, last);
     double ahead_s = 0;
     for (uint32_t group = index_.group_of(frame); group < index_.groups.size() && ahead_s < kAhead_s; ++group) {
         ranges.push_back(index_.place_of_group(group, last));
@@ -157,13 +172,13 @@ std::shared_ptr<Reader::FrameInProgress> Reader::begin_towards(uint32_t frame, P
 }
 
 // Whoever comes first decodes it, and those before it that are not decoded.
-const FrameShape& Reader::shape_of(FrameInProgress& begun) {
+const FrameShape& Reader::shape_of(FrameInProgress& begun, DecodeTimes& times) {
     const auto of_frame = [&] {
         const TraceSpan span("wait for the shape of frame", begun.frame);
         return std::unique_lock(begun.shape_mutex);
     }();
     if (begun.shape) return *begun.shape;
-    const FrameShape* before = begun.before ? &shape_of(*begun.before) : nullptr;
+    const FrameShape* before = begun.before ? &shape_of(*begun.before, times) : nullptr;
     const Tables& tables = tables_of(begun);
     const std::vector<uint8_t> bytes = part_of(begun.frame, kShape);
     read_ahead(begun.frame, begun.last);
@@ -178,17 +193,18 @@ const FrameShape& Reader::shape_of(FrameInProgress& begun) {
     } catch (const std::runtime_error& problem) {
         fail(fmt::format("frame {}", begun.frame), problem.what());
     }
-    ladder_.learn_step(FrameStep::kShape, seconds_now() - begin_s);
+    ++times.shapes;
+    times.shapes_s += seconds_now() - begin_s;
     if (!begun.shape->merged.repeats_any) begun.before.reset();
     return *begun.shape;
 }
 
 // Where the frame repeats planes of the one before, those are decoded first, by whoever comes first.
-std::shared_ptr<const QuantisedSlice> Reader::slice_of(FrameInProgress& begun) {
-    const FrameShape& shape = shape_of(begun);
+std::shared_ptr<const QuantisedSlice> Reader::slice_of(FrameInProgress& begun, DecodeTimes& times) {
+    shape_of(begun, times);
     const std::lock_guard of_frame(begun.slice_mutex);
     if (begun.slice) return begun.slice;
-    const std::shared_ptr<const QuantisedSlice> before = begun.before ? slice_of(*begun.before) : nullptr;
+    const std::shared_ptr<const QuantisedSlice> before = begun.before ? slice_of(*begun.before, times) : nullptr;
     std::array<std::vector<uint8_t>, kParts> bytes;
     PartBytes parts;
     uint64_t count = 0;
@@ -203,14 +219,20 @@ std::shared_ptr<const QuantisedSlice> Reader::slice_of(FrameInProgress& begun) {
     try {
         // Of two cores, the other one draws.
         const InParts in_parts = std::thread::hardware_concurrency() > 2 ? InParts(parallel_for) : in_one_part;
+        const Format& format = index_.groups[begun.group].format;
+        FrameShape& shape = *begun.shape;
+        Planes planes = decode_planes(shape, parts, begun.last, tables, format, before.get(), in_parts);
+        const bool may_be_repeated = begun.frame + 1 < index_.frames.size() && !index_.frames[begun.frame + 1].is_key;
+        std::vector<Leaf> leaves = may_be_repeated ? shape.merged.leaves : std::move(shape.merged.leaves);
         begun.slice = std::make_shared<const QuantisedSlice>(
-            decode_planes(shape, parts, begun.last, tables, index_.groups[begun.group].format, before.get(), in_parts));
+            QuantisedSlice{format.depth, format.degree, std::move(leaves), std::move(planes)});
     } catch (const std::runtime_error& problem) {
         fail(fmt::format("frame {}", begun.frame), problem.what());
     }
-    ladder_.learn_planes(count, seconds_now() - begin_s);
+    times.plane_bytes += count;
+    times.planes_s += seconds_now() - begin_s;
     begun.before.reset();
-    begun.shape->tree = {};  // the next frame needs the leaves alone
+    begun.shape->tree = {};  // the next frame needs the leaves alone, and where it repeats none, not even these
     return begun.slice;
 }
 
@@ -223,37 +245,32 @@ void Reader::forget(uint32_t frame) {
 
 // Frames that are passed over keep the shapes of those before them as long as their planes are not decoded. So these
 // are decoded now and then.
-std::shared_ptr<const QuantisedSlice> Reader::frame(uint32_t frame, Part last) {
+std::shared_ptr<const QuantisedSlice> Reader::frame(uint32_t frame, Part last, DecodeTimes* times) {
+    DecodeTimes taken;
     std::shared_ptr<FrameInProgress> begun;
     std::shared_ptr<const QuantisedSlice> slice;
     do {
         begun = begin_towards(frame, last, std::move(begun));
         try {
-            slice = slice_of(*begun);
+            slice = slice_of(*begun, taken);
         } catch (...) {
             forget(begun->frame);
             throw;
         }
     } while (begun->frame != frame);
+    if (times) *times = taken;
     return slice;
 }
 
-Part Reader::part_in_time(uint32_t frame) {
-    const std::lock_guard lock(mutex_);
-    const uint32_t number = index_.group_of(frame);
-    const double now_s = seconds_now();
-    std::erase_if(chosen_, [&](const Chosen& one) { return now_s > one.until_s; });
-    for (const Chosen& one : chosen_)
-        if (one.group == number) return one.last;
-    const Group& group = index_.groups[number];
+GroupCost Reader::cost_of(uint32_t frame) const {
     GroupCost cost;
+    cost.number = index_.group_of(frame);
+    const Group& group = index_.groups[cost.number];
     for (uint32_t part = 0; part < kParts; ++part)
-        cost.bytes_until[part] = index_.place_of_group(number, static_cast<Part>(part)).count;
+        cost.bytes_until[part] = index_.place_of_group(cost.number, static_cast<Part>(part)).count;
     cost.frames = group.frames;
     cost.seconds = group.frames / double{index_.fps};
-    const Part last = ladder_.choose(cost, source_->bytes_per_s());
-    chosen_.push_back({number, last, now_s + kLeastChoice_s + 2 * cost.seconds});
-    return last;
+    return cost;
 }
 
 }  // namespace neuvv::stream

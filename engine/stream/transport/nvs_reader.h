@@ -1,6 +1,7 @@
 // Reads .nvs files and addresses of them.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <filesystem>
 #include <memory>
@@ -8,8 +9,8 @@
 #include <optional>
 #include <vector>
 
+#include "stream/codec/frame_codec.h"
 #include "stream/transport/byte_source.h"
-#include "stream/transport/ladder.h"
 #include "stream/transport/nvs_index.h"
 
 namespace neuvv::stream {
@@ -17,6 +18,26 @@ namespace neuvv::stream {
 // Whether a file begins as a .nvs does, false where it cannot be read; or whether the path is an address, which nothing
 // else is taken from.
 bool is_stream(const std::filesystem::path& path);
+
+// How many frames players decode, and make ready to be drawn, at the same time: by half of the cores, because the
+// others draw, but not by more than 8.
+uint32_t frames_at_once();
+
+// What decoding a frame took, where it was not decoded already: the shapes of it and of those before it that it needs,
+// and its planes of so many bytes.
+struct DecodeTimes {
+    uint32_t shapes = 0;
+    double shapes_s = 0, planes_s = 0;
+    uint64_t plane_bytes = 0;
+};
+
+// What a group of frames costs.
+struct GroupCost {
+    std::array<uint64_t, kParts> bytes_until{};  // of all of its frames, up to each part
+    uint32_t frames = 1;
+    double seconds = 1;   // for which it is shown
+    uint32_t number = 0;  // of the group
+};
 
 // A stream that is open. All functions may be called from any thread; several threads decode several frames at the same
 // time. All throw InputError with file, place and fix for what is damaged, ServerProblem where a server does not
@@ -39,17 +60,16 @@ class Reader {
     // last that is kept, the shapes are decoded; the planes only where the frame repeats some. Threads read and decode
     // without waiting for each other unless their frames depend on the same key frame.
     static constexpr size_t kMostKept = 16;
-    static constexpr uint64_t kKeptBytes = uint64_t{256} << 20;
-    // From a server, the bytes of the frames of so many seconds behind it are fetched meanwhile.
+    static constexpr uint64_t kKeptBytes = uint64_t{64} << 20;
+    // From a server, the bytes of the frames of so many seconds behind it are fetched meanwhile, and those of the first
+    // frame as soon as the stream is open.
     static constexpr double kAhead_s = 3;
-    std::shared_ptr<const QuantisedSlice> frame(uint32_t frame, Part last = kShFine);
+    // `times` becomes what this call took to decode, without what it waited.
+    std::shared_ptr<const QuantisedSlice> frame(uint32_t frame, Part last = kShFine, DecodeTimes* times = nullptr);
 
-    // The last part of a frame that comes in time while the stream is played at its own speed. It is the same for all
-    // frames of a group for so many seconds and twice the group's length; then it is chosen anew.
-    static constexpr double kLeastChoice_s = 1;
-    Part part_in_time(uint32_t frame);
-    // What it took to bring a decoded frame to the device, by which part_in_time() chooses, too.
-    void learn_upload(double seconds) { ladder_.learn_step(FrameStep::kUpload, seconds); }
+    GroupCost cost_of(uint32_t frame) const;  // of its group
+    // As they come from a server; nothing where they are here.
+    std::optional<double> bytes_per_s() const { return source_->bytes_per_s(); }
 
   private:
     // The tables of a group, which are read when a frame first needs them.
@@ -64,15 +84,18 @@ class Reader {
         uint32_t frame = 0, group = 0;
         Part last = kShFine;
         std::shared_ptr<GroupTables> tables;
-        std::mutex shape_mutex;                       // guards `shape`, of which only the tree changes once it is there
-        std::optional<FrameShape> shape;              // nothing: it is not decoded yet
-        std::mutex slice_mutex;                       // guards `slice` and, once the shape is there, its tree
+        std::mutex shape_mutex;           // guards `shape` until it is there
+        std::optional<FrameShape> shape;  // nothing: it is not decoded yet
+        // Guards `slice` and, once the shape is there, what the next frame does not need: the tree, and the leaves if
+        // that is a key frame.
+        std::mutex slice_mutex;
         std::shared_ptr<const QuantisedSlice> slice;  // null: its planes are not decoded yet
         // The frame before, as long as it may be needed; null of a key frame. Guarded by shape_mutex until the shape
         // is there, then by slice_mutex.
         std::shared_ptr<FrameInProgress> before;
     };
     std::vector<uint8_t> bytes_at(const ByteRange& range, const std::string& place);
+    std::vector<ByteRange> parts_of(uint32_t frame, Part last) const;
     std::vector<uint8_t> part_of(uint32_t frame, Part part);
     const Tables& tables_of(const FrameInProgress& begun);
     void read_ahead(uint32_t frame, Part last);
@@ -80,23 +103,16 @@ class Reader {
     std::shared_ptr<FrameInProgress> begin_next_locked(uint32_t frame, Part last,
                                                        const std::shared_ptr<FrameInProgress>& before);
     std::shared_ptr<FrameInProgress> begin_towards(uint32_t frame, Part last, std::shared_ptr<FrameInProgress> known);
-    const FrameShape& shape_of(FrameInProgress& begun);
+    const FrameShape& shape_of(FrameInProgress& begun, DecodeTimes& times);
     void forget(uint32_t frame);
-    std::shared_ptr<const QuantisedSlice> slice_of(FrameInProgress& begun);
+    std::shared_ptr<const QuantisedSlice> slice_of(FrameInProgress& begun, DecodeTimes& times);
     [[noreturn]] void fail(const std::string& place, const std::string& problem) const;
     std::filesystem::path path_;
     std::unique_ptr<ByteSource> source_;
     Index index_;
     mutable std::atomic<bool> failed_ = false;
-    Ladder ladder_;
     std::mutex mutex_;                                    // guards what follows; nobody reads while they hold it
     std::vector<std::shared_ptr<FrameInProgress>> kept_;  // the one that was begun last at the end
-    struct Chosen {
-        uint32_t group = 0;
-        Part last = kShFine;
-        double until_s = 0;  // seconds_now()
-    };
-    std::vector<Chosen> chosen_;  // by part_in_time()
 };
 
 }  // namespace neuvv::stream

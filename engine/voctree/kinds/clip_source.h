@@ -11,7 +11,7 @@
 
 #include "base/file_stamp.h"
 #include "slice/slice.h"
-#include "stream/codec/frame_codec.h"
+#include "stream/transport/nvs_reader.h"
 #include "voctree/files/clip_index.h"
 #include "voctree/files/nvv.h"
 #include "voctree/slice_paint.h"
@@ -23,6 +23,7 @@ namespace neuvv::voctree {
 struct FrameSlice {
     std::shared_ptr<const stream::QuantisedSlice> slice;
     glm::vec3 box_min, box_size;
+    stream::DecodeTimes times{};  // what it took
 };
 
 // What a segment holds: a tree with bases, of which the device makes slices, or the slice of its one frame.
@@ -62,10 +63,10 @@ class ClipSource {
     // What a frame takes at most, where each frame is a segment that comes as its slice while the clip plays; else
     // nothing.
     virtual std::optional<FrameBound> plays_by_frame() const { return {}; }
-    // Of such clips, the last part that comes in time; and what it took to bring a slice to the device, by which that
-    // is chosen, too, for all who hold this source.
-    virtual stream::Part part_in_time(const ClipSegment&) const { return stream::kShFine; }
-    virtual void learn_upload(double /*seconds*/) const {}
+    // Of such clips, what the segment's group of frames costs, and the bytes a second that a server sends; nothing
+    // where all is here.
+    virtual stream::GroupCost group_cost(const ClipSegment&) const { return {}; }
+    virtual std::optional<double> bytes_per_s() const { return {}; }
     // Whether reading may wait for a server. cancel() ends that, in all threads and from now on (ServerProblem).
     virtual bool has_server() const { return false; }
     virtual void cancel() const {}

@@ -65,10 +65,8 @@ class StreamSource : public ClipSource {
     }
 
     std::optional<FrameBound> plays_by_frame() const override { return bound_; }
-    stream::Part part_in_time(const ClipSegment& segment) const override {
-        return reader_->part_in_time(segment.first);
-    }
-    void learn_upload(double seconds) const override { reader_->learn_upload(seconds); }
+    stream::GroupCost group_cost(const ClipSegment& segment) const override { return reader_->cost_of(segment.first); }
+    std::optional<double> bytes_per_s() const override { return reader_->bytes_per_s(); }
     bool has_server() const override { return stream::is_address(reader_->path()); }
     void cancel() const override { reader_->cancel(); }
 
@@ -79,7 +77,9 @@ class StreamSource : public ClipSource {
     }
     FrameSlice read(const ClipSegment& segment, stream::Part last) const {
         const stream::Group& group = group_of(segment);
-        return {reader_->frame(segment.first, last), vector_of(group.box_min), vector_of(group.box_size)};
+        FrameSlice frame{nullptr, vector_of(group.box_min), vector_of(group.box_size)};
+        frame.slice = reader_->frame(segment.first, last, &frame.times);
+        return frame;
     }
     std::shared_ptr<stream::Reader> reader_;
     FrameBound bound_;

@@ -4,29 +4,17 @@
 
 #include <array>
 #include <cstdint>
-#include <mutex>
 #include <optional>
 
-#include "stream/codec/frame_codec.h"
+#include "stream/transport/nvs_reader.h"
 
-namespace neuvv::stream {
-
-// How many frames are decoded, and made ready to be drawn, at the same time: by half of the cores, because the others
-// draw, but not by more than 8.
-uint32_t frames_at_once();
-
-// What a group of frames costs.
-struct GroupCost {
-    std::array<uint64_t, kParts> bytes_until{};  // of all of its frames, up to each part
-    uint32_t frames = 1;
-    double seconds = 1;  // for which it is shown
-};
+namespace neuvv::render {
 
 // What is done for each frame besides decoding its planes. It takes the same time whichever parts are decoded.
 enum class FrameStep { kShape, kUpload, kCount };
 
 // Learns how long frames take until they can be drawn, and chooses by that and by how fast bytes come. It takes all
-// frames for independent, but those of a key frame are decoded one after the other. Any thread may call its functions.
+// frames for independent, but those of a key frame are decoded one after the other.
 class Ladder {
   public:
     // The planes of a frame's parts of so many bytes were decoded in so many seconds.
@@ -34,7 +22,7 @@ class Ladder {
     void learn_step(FrameStep step, double seconds);
     // The last part up to which the frames come at their rate, at least kCoarse. `bytes_per_s`: as they come from a
     // server; nothing where they are here.
-    Part choose(const GroupCost& group, std::optional<double> bytes_per_s) const;
+    stream::Part choose(const stream::GroupCost& group, std::optional<double> bytes_per_s) const;
 
     // Of the time that there is, so much may be needed: what is measured varies.
     static constexpr double kShare = 0.8;
@@ -49,9 +37,8 @@ class Ladder {
       private:
         double count_ = 0, seconds_ = 0;
     };
-    mutable std::mutex mutex_;
     Mean planes_;  // for each byte
     std::array<Mean, static_cast<size_t>(FrameStep::kCount)> steps_;
 };
 
-}  // namespace neuvv::stream
+}  // namespace neuvv::render

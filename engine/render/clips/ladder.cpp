@@ -1,13 +1,6 @@
-#include "stream/transport/ladder.h"
+#include "render/clips/ladder.h"
 
-#include <algorithm>
-#include <thread>
-
-namespace neuvv::stream {
-
-uint32_t frames_at_once() {
-    return std::clamp(std::thread::hardware_concurrency() / 2, 1u, 8u);
-}
+namespace neuvv::render {
 
 void Ladder::Mean::add(double count, double seconds) {
     constexpr double kOlder = 0.9;  // what was added before counts after this
@@ -16,28 +9,25 @@ void Ladder::Mean::add(double count, double seconds) {
 }
 
 void Ladder::learn_planes(uint64_t bytes, double seconds) {
-    const std::lock_guard lock(mutex_);
     planes_.add(static_cast<double>(bytes), seconds);
 }
 
 void Ladder::learn_step(FrameStep step, double seconds) {
-    const std::lock_guard lock(mutex_);
     steps_[static_cast<size_t>(step)].add(1, seconds);
 }
 
-Part Ladder::choose(const GroupCost& group, std::optional<double> bytes_per_s) const {
-    const std::lock_guard lock(mutex_);
+stream::Part Ladder::choose(const stream::GroupCost& group, std::optional<double> bytes_per_s) const {
     double steps_s = 0;
     for (const Mean& step : steps_) steps_s += group.frames * step.value();
-    const auto comes_in_time = [&](Part last) {
+    const auto comes_in_time = [&](stream::Part last) {
         const auto bytes = static_cast<double>(group.bytes_until[last]);
         const double until_s = kShare * group.seconds;
         return (!bytes_per_s || bytes <= *bytes_per_s * until_s) &&
-               steps_s + bytes * planes_.value() <= frames_at_once() * until_s;
+               steps_s + bytes * planes_.value() <= stream::frames_at_once() * until_s;
     };
-    for (const Part last : {kShFine, kFine, kShCoarse})
+    for (const stream::Part last : {stream::kShFine, stream::kFine, stream::kShCoarse})
         if (comes_in_time(last)) return last;
-    return kCoarse;
+    return stream::kCoarse;
 }
 
-}  // namespace neuvv::stream
+}  // namespace neuvv::render

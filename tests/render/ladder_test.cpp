@@ -1,5 +1,5 @@
 // The choice of how many parts of a stream are taken.
-#include "stream/transport/ladder.h"
+#include "render/clips/ladder.h"
 
 #include <gtest/gtest.h>
 
@@ -10,11 +10,11 @@ namespace {
 constexpr stream::GroupCost kGroup{{10'000, 30'000, 40'000, 60'000, 80'000}, 10, 0.5};
 
 TEST(Ladder, TakesAllOfAFile) {
-    EXPECT_EQ(stream::Ladder().choose(kGroup, std::nullopt), stream::kShFine);
+    EXPECT_EQ(render::Ladder().choose(kGroup, std::nullopt), stream::kShFine);
 }
 
 TEST(Ladder, TakesWhatAServerSendsInTime) {
-    const stream::Ladder ladder;
+    const render::Ladder ladder;
     EXPECT_EQ(ladder.choose(kGroup, 80'000 / 0.5 / 0.8), stream::kShFine);
     EXPECT_EQ(ladder.choose(kGroup, 79'000 / 0.5 / 0.8), stream::kFine);
     EXPECT_EQ(ladder.choose(kGroup, 59'000 / 0.5 / 0.8), stream::kShCoarse);
@@ -24,7 +24,7 @@ TEST(Ladder, TakesWhatAServerSendsInTime) {
 }
 
 TEST(Ladder, TakesWhatIsDecodedInTime) {
-    stream::Ladder ladder;
+    render::Ladder ladder;
     for (int i = 0; i < 200; ++i) ladder.learn_planes(1000, 1e-6);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
     // Up to kShCoarse, planes take 4 s; even 8 frames at once leave 3.2 s for them.
@@ -40,14 +40,14 @@ TEST(Ladder, TakesWhatIsDecodedInTime) {
 
 // 80 KB of planes take 0.1 s. Where the rest of each frame leaves no time for that, fewer of them are taken.
 TEST(Ladder, CountsWhatIsDoneBehindTheDecoder) {
-    stream::Ladder ladder;
+    render::Ladder ladder;
     ladder.learn_planes(80'000, 0.1);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
     const double time_s = stream::frames_at_once() * 0.5 * 0.8;
-    for (const stream::FrameStep step : {stream::FrameStep::kShape, stream::FrameStep::kUpload})
+    for (const render::FrameStep step : {render::FrameStep::kShape, render::FrameStep::kUpload})
         ladder.learn_step(step, (time_s - 0.09) / 10 / 2);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kFine);
-    for (int i = 0; i < 100; ++i) ladder.learn_step(stream::FrameStep::kUpload, time_s);
+    for (int i = 0; i < 100; ++i) ladder.learn_step(render::FrameStep::kUpload, time_s);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kCoarse);
 }
 

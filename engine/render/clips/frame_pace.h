@@ -1,0 +1,44 @@
+// The pace at which the frames of a stream come to the device while it plays, and what follows from it for the next
+// ones: how many of their parts are taken, and which of them are still worth beginning with.
+#pragma once
+
+#include <mutex>
+#include <vector>
+
+#include "render/clips/ladder.h"
+#include "render/clips/uploaded_segment.h"
+
+namespace neuvv::render {
+
+// Any thread may call its functions.
+class FramePace {
+  public:
+    // What a frame took that was decoded and uploaded.
+    void learn(const SegmentTimes& times);
+    // A frame was there so many seconds after it was asked for.
+    void learn_arrival(double seconds);
+
+    // The last part of a frame that comes in time while the stream plays at its own speed. It is the same for all
+    // frames of a group for so many seconds and twice the group's length; then it is chosen anew.
+    static constexpr double kLeastChoice_s = 1;
+    stream::Part part_in_time(const stream::GroupCost& group, std::optional<double> bytes_per_s);
+
+    // A frame that is asked for now is there after so many seconds or sooner, nearly always: the mean and two mean
+    // deviations, at most kMostLead_s; 0 where none came yet.
+    static constexpr double kMostLead_s = 1;
+    double lead_s() const;
+
+  private:
+    mutable std::mutex mutex_;  // guards what follows
+    Ladder ladder_;
+    struct Chosen {
+        uint32_t group = 0;
+        stream::Part last = stream::kShFine;
+        double until_s = 0;  // seconds_now()
+    };
+    std::vector<Chosen> chosen_;  // by part_in_time()
+    bool has_arrivals_ = false;
+    double arrival_s_ = 0, deviation_s_ = 0;  // means in which older values count less
+};
+
+}  // namespace neuvv::render
