@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <bit>
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <thread>
@@ -14,6 +16,7 @@
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 #include "voctree/files/clip.h"
+#include "voctree/files/occupied_box.h"
 #include "voctree/files/world_frame.h"
 #include "voctree/temporal_basis.h"
 #include "voctree/tree_slice.h"
@@ -52,6 +55,9 @@ struct NvsTest : testing::Test {
                 group.box_min[static_cast<size_t>(axis)] = tree.box_min[axis];
                 group.box_size[static_cast<size_t>(axis)] = tree.box_size[axis];
             }
+            if (first > 0)
+                group.filled =
+                    stream::BoxPart{{0.25f, 0, 0.5f}, {0.75f, 1, 0.5f + 0.0625f * static_cast<float>(first)}};
             writer.add(group, frames);
         }
         EXPECT_FALSE(std::filesystem::exists(to)) << "not before it is finished";
@@ -64,6 +70,56 @@ struct NvsTest : testing::Test {
     }
     void overwrite(const std::string& bytes) const { std::ofstream(path, std::ios::binary) << bytes; }
 };
+
+// Bytes of a header with three groups: before the groups, of one, and what version 3 added at its end.
+constexpr size_t kBeforeGroups = 32, kOfGroup = 88, kOfFilled = 24;
+
+void set_number(std::string& bytes, size_t at, uint64_t number, size_t size) {
+    for (size_t i = 0; i < size; ++i) bytes[at + i] = static_cast<char>(number >> 8 * i);
+}
+
+void set_check(std::string& bytes, size_t header_size) {
+    const auto* begin = reinterpret_cast<const uint8_t*>(bytes.data());
+    set_number(bytes, header_size - 4, stream::check_of({begin, header_size - 4}), 4);
+}
+
+TEST_F(NvsTest, SaysWhatItsLeavesFill) {
+    const stream::Index index = stream::Reader(path).index();
+    EXPECT_EQ(index.groups[0].filled->low, (std::array<float, 3>{0, 0, 0}));
+    EXPECT_EQ(index.groups[0].filled->high, (std::array<float, 3>{1, 1, 1})) << "who does not say it means all";
+    EXPECT_EQ(index.groups[1].filled->low, (std::array<float, 3>{0.25f, 0, 0.5f}));
+    EXPECT_EQ(index.groups[2].filled->high, (std::array<float, 3>{0.75f, 1, 0.875f}));
+    const auto [low, high] = voctree::occupied_box(voctree::read_clip_index(path));
+    EXPECT_EQ(glm::vec3(low), tree.box_min);
+    EXPECT_EQ(glm::vec3(high), tree.box_min + tree.box_size);
+    const std::string sound = bytes();
+    for (const float wrong : {-0.1f, 0.8f, 1.1f, std::nanf("")}) {  // beyond the box, or the other corner
+        std::string damaged = sound;
+        set_number(damaged, kBeforeGroups + 2 * kOfGroup - kOfFilled, std::bit_cast<uint32_t>(wrong), 4);
+        set_check(damaged, stream::header_bytes(3, 7));
+        overwrite(damaged);
+        expect_input_error([&] { stream::Reader reader(path); }, {"the group of frame 3", "leaves in a box"});
+    }
+}
+
+TEST_F(NvsTest, FilesOfVersion2AreReadAsBefore) {
+    std::string old = bytes();
+    const stream::Index index = stream::Reader(path).index();
+    set_number(old, 8, 2, 4);
+    for (size_t group = 3; group-- > 0;) {
+        const size_t begin = kBeforeGroups + group * kOfGroup;
+        set_number(old, begin + 40, index.groups[group].offset - 3 * kOfFilled, 8);
+        old.erase(begin + kOfGroup - kOfFilled, kOfFilled);
+    }
+    set_check(old, stream::header_bytes(3, 7) - 3 * kOfFilled);
+    overwrite(old);
+    stream::Reader reader(path);
+    for (const stream::Group& group : reader.index().groups) EXPECT_FALSE(group.filled);
+    for (uint32_t frame = 0; frame < 7; ++frame) EXPECT_EQ(reader.frame(frame)->planes, decoded[frame].planes);
+    const auto [low, high] = voctree::occupied_box(voctree::read_clip_index(path));
+    EXPECT_TRUE(glm::all(glm::lessThan(low, high)));
+    EXPECT_TRUE(glm::all(glm::greaterThanEqual(glm::vec3(low), tree.box_min)));
+}
 
 TEST_F(NvsTest, FramesComeBackInAnyOrder) {
     stream::Reader reader(path);
@@ -91,7 +147,7 @@ TEST_F(NvsTest, RemembersWhereItIsInItsCapture) {
         EXPECT_EQ(voctree::read_world_frame(path), frame);
         std::string same = bytes();  // but for what readers that do not know it ignore
         ASSERT_EQ(same.size(), plain.size());
-        constexpr size_t kInHead = 24, kInGroup = 32 + 56;
+        constexpr size_t kInHead = 24, kInGroup = kBeforeGroups + 56;
         for (const size_t at : {kInHead, kInGroup}) same.replace(at, 8, plain, at, 8);
         const size_t check = stream::header_bytes(3, 7) - 4;
         same.replace(check, 4, plain, check, 4);
@@ -213,8 +269,8 @@ TEST_F(NvsTest, DamageIsNamed) {
     expect_refused(sound.substr(0, sound.size() - 1), {"show.nvs", "bytes"});
     expect_refused(sound + "x", {"show.nvs", "bytes"});
     std::string other = sound;
-    other[8] = 3;
-    expect_refused(other, {"version 3", "newer neuvv"});
+    other[8] = 4;
+    expect_refused(other, {"version 4", "newer neuvv"});
     other[8] = 1;
     expect_refused(other, {"version 1", "publish the clip again"});
     other = sound;

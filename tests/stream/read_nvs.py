@@ -79,11 +79,15 @@ class Group:
     """What the head says of a group; `frames` is a list of (whether it is a key frame,
     lengths of the parts, their CRCs)."""
 
-    def __init__(self, head):
+    def __init__(self, head, version):
         self.frame_count, self.depth, self.degree, self.most_leaves = head.take("4I")
         head.take("6f")  # The box is needed only to draw the leaves.
         self.offset, self.table_bytes, self.table_crc = head.take("QII")
         head.take("8x")
+        if version >= 3:
+            filled = head.take("6f")
+            check(all(0 <= filled[i] <= filled[3 + i] <= 1 for i in range(3)),
+                  "the leaves of a group lie in a box that cannot be")
         self.frames = []
         check(1 <= self.frame_count <= 1000, "a group has no frames or too many")
         check(self.depth in range(2, 13, 2), f"depth {self.depth} of a group is not allowed")
@@ -100,14 +104,14 @@ def read_header(data):
     head = Bytes(data, "the head")
     check(head.take_bytes(8) == b"NVStream", "the file is no NVStream")
     (version,) = head.take("I")
-    check(version == 2, f"version {version} is not known")
+    check(version in (2, 3), f"version {version} is not known")
     frame_count, group_count, frames_a_second = head.take("IIf")
     head.take("8x")
     check(1 <= frame_count <= 10**7, "the file has no frames or too many")
     check(1 <= group_count <= frame_count, "the file has no groups or too many")
     check(0.001 <= frames_a_second <= 10000, "the number of frames a second is not allowed")
 
-    groups = [Group(head) for _ in range(group_count)]
+    groups = [Group(head, version) for _ in range(group_count)]
     check(sum(g.frame_count for g in groups) == frame_count, "the groups miss or add frames")
     for group in groups:
         for _ in range(group.frame_count):

@@ -26,6 +26,7 @@
 #include "tools/say.h"
 #include "voctree/files/clip.h"
 #include "voctree/files/clip_sound.h"
+#include "voctree/files/occupied_box.h"
 #include "voctree/files/world_frame.h"
 #include "voctree/tree_slice.h"
 
@@ -79,6 +80,23 @@ std::vector<stream::FrameSymbols> encode_group(const std::vector<stream::Quantis
         frames.push_back(stream::encode(slices[i], steps_of(strength), frame_before, decoded, parallel_for));
     }
     return frames;
+}
+
+// Around the leaves of all slices.
+stream::BoxPart filled_part(const std::vector<stream::QuantisedSlice>& slices) {
+    glm::dvec3 low(1), high(0);
+    for (const stream::QuantisedSlice& slice : slices) {
+        if (slice.leaves.empty()) continue;
+        const auto [from, to] = voctree::occupied_box(voctree::leaf_positions(slice), glm::vec3(0), glm::vec3(1));
+        low = glm::min(low, from);
+        high = glm::max(high, to);
+    }
+    stream::BoxPart part;
+    for (int axis = 0; axis < 3 && low.x < high.x; ++axis) {
+        part.low[static_cast<size_t>(axis)] = static_cast<float>(low[axis]);
+        part.high[static_cast<size_t>(axis)] = static_cast<float>(high[axis]);
+    }
+    return part;
 }
 
 struct Published {
@@ -180,6 +198,7 @@ void Publisher::publish_segment(const voctree::ClipSegment& segment, stream::Wri
             group.box_min[static_cast<size_t>(axis)] = tree.box_min[axis];
             group.box_size[static_cast<size_t>(axis)] = tree.box_size[axis];
         }
+        group.filled = filled_part(slices);
         if (group.format.most_leaves > stream::kMaxStreamLeaves)
             throw InputError(segment.file.string(), fmt::format("frame {}", first), "has too many leaves for a stream",
                              "train it with a smaller --resolution");

@@ -172,7 +172,9 @@ HttpSource::HttpSource(std::string address, CachePlace cache, double most_s_a_bl
     curl_easy_setopt(curl_, CURLOPT_WRITEFUNCTION, &Answer::take);
     curl_easy_setopt(curl_, CURLOPT_HEADERFUNCTION, &Answer::take_header);
     try {
+        const double begin_s = seconds_now();
         keep_locked(0, fetch({0, 1}));
+        measure_locked(blocks_[0].size(), seconds_now() - begin_s);
         cache_.emplace(std::move(cache), address_, stamp_.bytes, blocks_[0]);
         thread_ = std::thread([this] { run(); });
     } catch (...) {

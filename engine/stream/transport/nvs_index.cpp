@@ -16,9 +16,9 @@ namespace neuvv::stream {
 
 namespace {
 
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3, kVersionWithoutFilled = 2;
 // Bytes in the header: of a group, of a frame, and of the check at the end.
-constexpr uint64_t kGroupBytes = 64, kFrameBytes = 4 + 8 * kParts, kCheckBytes = 4;
+constexpr uint64_t kGroupBytes = 88, kGroupBytesWithoutFilled = 64, kFrameBytes = 4 + 8 * kParts, kCheckBytes = 4;
 constexpr float kLeastBox = 1e-6f;  // metres
 
 void append_float(std::vector<uint8_t>& bytes, float number) {
@@ -52,6 +52,9 @@ void append_group(std::vector<uint8_t>& bytes, const Group& group, const Capture
     append_number(bytes, group.table_bytes, 4);
     append_number(bytes, group.table_check, 4);
     append_origin_z_and_scale(bytes, frame);
+    const BoxPart filled = group.filled.value_or(BoxPart{{}, {1, 1, 1}});
+    for (const float number : filled.low) append_float(bytes, number);
+    for (const float number : filled.high) append_float(bytes, number);
 }
 
 int32_t read_coordinate(ByteReader& reader) {
@@ -66,7 +69,7 @@ int16_t read_exponent(ByteReader& reader) {
 }
 
 // `frame`: that of the first group; others have 8 bytes that are ignored.
-Group read_group(ByteReader& reader, CaptureFrame* frame) {
+Group read_group(ByteReader& reader, bool has_filled, CaptureFrame* frame) {
     Group group;
     group.frames = static_cast<uint32_t>(reader.number(4));
     group.format.depth = static_cast<uint32_t>(reader.number(4));
@@ -83,6 +86,11 @@ Group read_group(ByteReader& reader, CaptureFrame* frame) {
         frame->unit = read_exponent(reader);
     } else {
         reader.number(8);
+    }
+    if (has_filled) {
+        group.filled.emplace();
+        for (float& number : group.filled->low) number = read_float(reader);
+        for (float& number : group.filled->high) number = read_float(reader);
     }
     return group;
 }
@@ -101,6 +109,10 @@ void expect_sound(const Group& group, const Index& index, uint64_t offset) {
         if (!std::isfinite(group.box_min[axis]) || !(group.box_size[axis] >= kLeastBox) ||
             !std::isfinite(group.box_min[axis] + group.box_size[axis]))
             fail("has a box that cannot be");
+    for (size_t axis = 0; group.filled && axis < 3; ++axis)
+        if (!(group.filled->low[axis] >= 0) || !(group.filled->low[axis] <= group.filled->high[axis]) ||
+            !(group.filled->high[axis] <= 1))
+            fail("has leaves in a box that cannot be");
     if (group.offset != offset) fail("does not begin where the one before ends");
     if (!index.frames[group.first].is_key) fail("does not begin with a key frame");
 }
@@ -183,20 +195,22 @@ std::vector<uint8_t> bytes_of(const Index& index) {
 uint64_t read_header_size(std::span<const uint8_t> fixed) {
     ByteReader reader{fixed.subspan(sizeof kMagic)};
     const uint64_t version = reader.number(4), frames = reader.number(4), groups = reader.number(4);
-    if (version != kVersion)
+    if (version != kVersion && version != kVersionWithoutFilled)
         throw BadHeader("the header", fmt::format("is of version {}", version),
-                        version < kVersion ? kPublishAgain : "open it with a newer neuvv");
+                        version < kVersionWithoutFilled ? kPublishAgain : "open it with a newer neuvv");
     const float fps = read_float(reader);
     if (frames < 1 || frames > kMaxStreamFrames || groups < 1 || groups > frames || !(fps >= 1e-3f) || !(fps <= 1e4f))
         throw BadHeader("the header", "has numbers that cannot be", kPublishAgain);
-    return header_bytes(groups, frames);
+    const uint64_t less = version == kVersion ? 0 : kGroupBytes - kGroupBytesWithoutFilled;
+    return header_bytes(groups, frames) - groups * less;
 }
 
 Index read_index(std::span<const uint8_t> header, uint64_t file_bytes) {
     const std::span<const uint8_t> checked = header.first(header.size() - kCheckBytes);
     if (ByteReader(header.last(kCheckBytes)).number(4) != check_of(checked))
         throw BadHeader("the index", "is damaged", kPublishAgain);
-    ByteReader reader(checked.subspan(sizeof kMagic + 4));
+    ByteReader reader(checked.subspan(sizeof kMagic));
+    const bool has_filled = reader.number(4) != kVersionWithoutFilled;
     Index index;
     index.frames.resize(reader.number(4));
     index.groups.resize(reader.number(4));
@@ -204,7 +218,7 @@ Index read_index(std::span<const uint8_t> header, uint64_t file_bytes) {
     index.capture.origin[0] = read_coordinate(reader);
     index.capture.origin[1] = read_coordinate(reader);
     for (size_t i = 0; i < index.groups.size(); ++i)
-        index.groups[i] = read_group(reader, i == 0 ? &index.capture : nullptr);
+        index.groups[i] = read_group(reader, has_filled, i == 0 ? &index.capture : nullptr);
     for (FrameEntry& frame : index.frames) {
         const uint64_t flag = reader.number(4);
         if (flag > 1)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -12,13 +13,20 @@
 
 namespace neuvv::stream {
 
+// A part of a box, in fractions of its edges. Where both corners are 0, nothing is in it.
+struct BoxPart {
+    std::array<float, 3> low{}, high{};
+};
+
 // A run of frames that is decoded without any others.
 struct Group {
     uint32_t first = 0, frames = 0;
     Format format;
     std::array<float, 3> box_min{}, box_size{1, 1, 1};  // metres
-    uint64_t offset = 0;                                // of its tables in the file; the parts of its frames follow
-    uint32_t table_bytes = 0, table_check = 0;          // as they are stored, deflated
+    // What lies around the leaves of its frames. Nothing: an older file does not say it.
+    std::optional<BoxPart> filled;
+    uint64_t offset = 0;                        // of its tables in the file; the parts of its frames follow
+    uint32_t table_bytes = 0, table_check = 0;  // as they are stored, deflated
 };
 
 struct FrameEntry {
@@ -55,7 +63,7 @@ constexpr uint32_t kMaxGroupFrames = 1000;
 constexpr char kMagic[8] = {'N', 'V', 'S', 't', 'r', 'e', 'a', 'm'};
 constexpr uint64_t kFixedBytes = 32;  // with which the header begins: its numbers of frames and groups
 
-// Bytes of the header.
+// Bytes of the header, as it is written now.
 uint64_t header_bytes(uint64_t groups, uint64_t frames);
 std::vector<uint8_t> bytes_of(const Index& index);
 

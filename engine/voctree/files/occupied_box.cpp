@@ -50,6 +50,7 @@ std::vector<ClipSegment> sample_of(const ClipIndex& clip) {
 }  // namespace
 
 Box occupied_box(const ClipIndex& clip) {
+    if (const auto all = clip.segments[0].source->box_of_all()) return {all->low, all->high};
     std::optional<Box> box, empty;  // of segments with leaves, and of one without
     Note problem;
     for (const ClipSegment& segment : sample_of(clip)) {

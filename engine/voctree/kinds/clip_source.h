@@ -55,6 +55,8 @@ class ClipSource {
         bool has_leaves;
     };
     virtual Box box(const ClipSegment& segment) const = 0;
+    // Around the leaves of all segments that it has, where the file says so without them; else nothing.
+    virtual std::optional<Box> box_of_all() const { return {}; }
     // Whether it can be read without those before it.
     virtual bool stands_alone(const ClipSegment&) const { return true; }
     // Throws InputError where there are no bases, which paint needs.

@@ -21,6 +21,11 @@ glm::vec3 vector_of(const std::array<float, 3>& numbers) {
     return {numbers[0], numbers[1], numbers[2]};
 }
 
+// Of a part of the group's box, metres.
+glm::dvec3 point_of(const stream::Group& group, const std::array<float, 3>& part) {
+    return glm::dvec3(vector_of(group.box_min)) + glm::dvec3(vector_of(part)) * glm::dvec3(vector_of(group.box_size));
+}
+
 class StreamSource : public ClipSource {
   public:
     explicit StreamSource(std::shared_ptr<stream::Reader> reader) : reader_(std::move(reader)) {
@@ -55,6 +60,20 @@ class StreamSource : public ClipSource {
                                              moved = kMoves * (leaves.second - leaves.first);
         return {glm::max(low, leaves.first - moved), glm::min(high, leaves.second + moved),
                 !frame.slice->leaves.empty()};
+    }
+    std::optional<Box> box_of_all() const override {
+        std::optional<Box> all;
+        for (const stream::Group& group : reader_->index().groups) {
+            if (!group.filled) return {};
+            const glm::dvec3 low = point_of(group, group.filled->low), high = point_of(group, group.filled->high);
+            const bool has_leaves = group.filled->low != group.filled->high;
+            if (!all || (has_leaves && !all->has_leaves))
+                all = Box{low, high, has_leaves};
+            else if (has_leaves)
+                all = Box{glm::min(all->low, low), glm::max(all->high, high), true};
+        }
+        if (all && !all->has_leaves) return {};
+        return all;
     }
     bool stands_alone(const ClipSegment& segment) const override {
         return reader_->index().frames[segment.first].is_key;

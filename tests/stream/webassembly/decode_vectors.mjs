@@ -4,7 +4,7 @@ import {readFileSync} from 'node:fs';
 import {inflateSync} from 'node:zlib';
 import {isDeepStrictEqual} from 'node:util';
 
-const kParts = 5, kFixedBytes = 32, kGroupBytes = 64, kFrameBytes = 4 + 8 * kParts;
+const kParts = 5, kFixedBytes = 32, kGroupBytes = 88, kFrameBytes = 4 + 8 * kParts;
 
 // The groups of a .nvs file that is whole, with the bytes of their tables and of their frames' parts.
 function readGroups(file) {
