@@ -37,7 +37,7 @@ neuvv_test(voctree_test HOSTILE COST 12
     voctree/clip_index_test.cpp
     voctree/frames_test.cpp
     voctree/solid_leaves_test.cpp
-  LINKS neuvv_voctree neuvv_media PkgConfig::zstd PkgConfig::xxhash PkgConfig::libzip)
+  LINKS neuvv_clips neuvv_media PkgConfig::zstd PkgConfig::xxhash PkgConfig::libzip)
 
 neuvv_test(slice_test
   SOURCES
@@ -57,7 +57,7 @@ neuvv_test(stream_test HOSTILE
     stream/served_sound_test.cpp
     stream/nginx_test.cpp
     stream/vectors_test.cpp
-  LINKS neuvv_voctree nlohmann_json::nlohmann_json)
+  LINKS neuvv_clips nlohmann_json::nlohmann_json)
 target_compile_definitions(stream_test PRIVATE NEUVV_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 # The same vectors by a reader that was written by the format's page alone.
 add_test(NAME stream_vectors_in_python COMMAND python3 ${CMAKE_CURRENT_SOURCE_DIR}/stream/read_nvs.py

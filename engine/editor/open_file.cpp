@@ -8,8 +8,8 @@
 #include "stage/stage.h"
 #include "stream/transport/byte_source.h"
 #include "voctree/files/clip.h"
+#include "voctree/files/clip_box.h"
 #include "voctree/files/clip_index.h"
-#include "voctree/files/occupied_box.h"
 
 namespace neuvv::editor {
 

@@ -16,7 +16,7 @@
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 #include "voctree/files/clip.h"
-#include "voctree/files/occupied_box.h"
+#include "voctree/files/clip_box.h"
 #include "voctree/files/world_frame.h"
 #include "voctree/temporal_basis.h"
 #include "voctree/tree_slice.h"

@@ -9,8 +9,8 @@
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
 #include "voctree/files/clip.h"
+#include "voctree/files/clip_box.h"
 #include "voctree/files/nvv.h"
-#include "voctree/files/occupied_box.h"
 
 namespace neuvv::test {
 namespace {

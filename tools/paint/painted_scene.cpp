@@ -15,6 +15,7 @@
 #include "tools/stage/stage_verbs.h"
 #include "tools/view_path.h"
 #include "voctree/files/clip.h"
+#include "voctree/files/clip_box.h"
 #include "voctree/files/nvpaint.h"
 #include "voctree/files/occupied_box.h"
 

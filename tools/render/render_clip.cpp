@@ -24,6 +24,7 @@
 #include "tools/view_path.h"
 #include "voctree/files/chunk_file.h"
 #include "voctree/files/clip.h"
+#include "voctree/files/clip_box.h"
 #include "voctree/files/clip_index.h"
 #include "voctree/files/nvpaint.h"
 #include "voctree/files/occupied_box.h"
