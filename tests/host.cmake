@@ -39,6 +39,13 @@ neuvv_test(voctree_test HOSTILE COST 12
     voctree/solid_leaves_test.cpp
   LINKS neuvv_clips neuvv_media PkgConfig::zstd PkgConfig::xxhash PkgConfig::libzip)
 
+add_executable(nvv_alone voctree/nvv_alone.cpp)
+target_link_libraries(nvv_alone PRIVATE neuvv_voctree neuvv_warnings)
+add_test(NAME nvv_alone COMMAND nvv_alone ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/corpus/nvv/tiny/scene.nvv)
+set_tests_properties(nvv_alone PROPERTIES LABELS cpu)
+add_dependencies(cpu_tests nvv_alone)
+add_dependencies(usual_tests nvv_alone)
+
 neuvv_test(slice_test
   SOURCES
     slice/slice_test.cpp

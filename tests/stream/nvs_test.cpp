@@ -93,7 +93,7 @@ TEST_F(NvsTest, SaysWhatItsLeavesFill) {
     EXPECT_EQ(glm::vec3(low), tree.box_min);
     EXPECT_EQ(glm::vec3(high), tree.box_min + tree.box_size);
     const std::string sound = bytes();
-    for (const float wrong : {-0.1f, 0.8f, 1.1f, std::nanf("")}) {  // beyond the box, or the other corner
+    for (const float wrong : {-0.1f, 0.75f, 0.8f, 1.1f, std::nanf("")}) {  // beyond the box, or the other corner
         std::string damaged = sound;
         set_number(damaged, kBeforeGroups + 2 * kOfGroup - kOfFilled, std::bit_cast<uint32_t>(wrong), 4);
         set_check(damaged, stream::header_bytes(3, 7));

@@ -86,7 +86,8 @@ class Group:
         head.take("8x")
         if version >= 3:
             filled = head.take("6f")
-            check(all(0 <= filled[i] <= filled[3 + i] <= 1 for i in range(3)),
+            check(not any(filled) or all(0 <= filled[i] and filled[3 + i] - filled[i] >= 2**-12
+                                         and filled[3 + i] <= 1 for i in range(3)),
                   "the leaves of a group lie in a box that cannot be")
         self.frames = []
         check(1 <= self.frame_count <= 1000, "a group has no frames or too many")

@@ -56,29 +56,33 @@ void ClipFiles::end_reading(const voctree::ClipSegment& segment, const std::shar
     changed_.notify_all();
 }
 
-std::shared_ptr<FramePace> ClipFiles::pace_of(const std::shared_ptr<const voctree::ClipSource>& source) {
+std::shared_ptr<FramePace> ClipFiles::pace_of(const voctree::ClipSegment& segment) {
     const std::lock_guard lock(mutex_);
-    std::erase_if(paces_, [](const auto& one) { return one.first.expired(); });
-    std::shared_ptr<FramePace>& pace = paces_[source];
+    std::shared_ptr<FramePace>& pace = paces_[segment.file.parent_path()];
     if (!pace) pace = std::make_shared<FramePace>();
     return pace;
 }
 
-// Reads and uploads it, of a frame of a stream the parts up to `last`.
+// Reads and uploads a segment, of a frame of a stream the parts up to `last`. `asked_s`: seconds_now() at which it was
+// wanted in time; nothing where somebody waits for it.
 std::shared_ptr<const LoadedClip> ClipFiles::load(const voctree::ClipSegment& segment, const FileStamp& stamp,
-                                                  stream::Part last) {
+                                                  stream::Part last, std::optional<double> asked_s) {
     auto clip = std::make_shared<const LoadedClip>(
         LoadedClip{upload_segment(device_, segment, FarLevels::kYes, solid_, last), segment.file, stamp});
-    if (clip->times) pace_of(segment.source)->learn(*clip->times);
+    if (!clip->times) return clip;
+    const std::shared_ptr<FramePace> pace = pace_of(segment);
+    pace->learn(*clip->times);
+    if (asked_s) pace->learn_arrival(seconds_now() - *asked_s);
     return clip;
 }
 
-std::shared_ptr<const LoadedClip> ClipFiles::read_once(const voctree::ClipSegment& segment) {
+std::shared_ptr<const LoadedClip> ClipFiles::read_once(const voctree::ClipSegment& segment,
+                                                       std::optional<double> asked_s) {
     const FileStamp stamp = segment.source->stamp(segment);
     if (auto known = begin_reading(segment, stamp)) return known;
     try {
         const TraceSpan span("read a segment of frame", segment.first);
-        auto clip = load(segment, stamp, stream::kShFine);
+        auto clip = load(segment, stamp, stream::kShFine, asked_s);
         end_reading(segment, clip);
         return clip;
     } catch (...) {
@@ -180,7 +184,7 @@ void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
 // Returns false, and does nothing, where all of the frame comes in time, or is there.
 bool ClipFiles::read_in_time(const voctree::ClipSegment& segment, double asked_s) {
     const stream::Part last =
-        pace_of(segment.source)->part_in_time(segment.source->group_cost(segment), segment.source->bytes_per_s());
+        pace_of(segment)->part_in_time(segment.source->group_cost(segment), segment.source->bytes_per_s());
     if (last == stream::kShFine) return false;
     const FileStamp stamp = segment.source->stamp(segment);
     if (begin_reading(segment, stamp)) return false;
@@ -190,9 +194,7 @@ bool ClipFiles::read_in_time(const voctree::ClipSegment& segment, double asked_s
     }
     try {
         const TraceSpan span("read a part of frame", segment.first);
-        std::shared_ptr<const LoadedClip> clip = load(segment, stamp, last);
-        pace_of(segment.source)->learn_arrival(seconds_now() - asked_s);
-        add_result({segment.file, stamp, std::move(clip), "", true, {}});
+        add_result({segment.file, stamp, load(segment, stamp, last, asked_s), "", true, {}});
     } catch (...) {
         end_reading(segment, nullptr);
         throw;
@@ -206,9 +208,8 @@ void ClipFiles::read_one_ahead(const Wanted& wanted, double asked_s) {
     try {
         if (wanted.in_time && read_in_time(wanted.segment, asked_s)) return;
         if (wanted.is_urgent && !find(wanted.segment)) read_coarse(wanted.segment);
-        const std::shared_ptr<const LoadedClip> clip = read_once(wanted.segment);
-        if (wanted.in_time && wanted.segment.source->plays_by_frame())
-            pace_of(wanted.segment.source)->learn_arrival(seconds_now() - asked_s);
+        const std::shared_ptr<const LoadedClip> clip =
+            read_once(wanted.segment, wanted.in_time ? std::optional(asked_s) : std::nullopt);
         add_result({wanted.segment.file, stamp, clip, {}, false, read_paints(wanted.segment, *clip, wanted.layers)});
     } catch (const stream::ServerProblem& problem) {
         add_result({wanted.segment.file, stamp, nullptr, Note(problem), false, {}, true});

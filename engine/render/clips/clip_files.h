@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -60,8 +61,8 @@ class ClipFiles {
     // Has these segments read on the threads, in this order. They replace those of earlier calls that are not being
     // read yet. Where the device has no memory for one, the thread leaves it out and pauses for a second.
     void read_ahead(std::vector<Wanted> wanted);
-    // After how many seconds frames of this stream are there that are wanted in time (FramePace::lead_s).
-    double lead_s(const std::shared_ptr<const voctree::ClipSource>& source) { return pace_of(source)->lead_s(); }
+    // The pace of the stream of which the segment is a frame; what is wanted in time follows it.
+    std::shared_ptr<FramePace> pace_of(const voctree::ClipSegment& segment);
 
     // A segment that a thread has read, or what says why it could not.
     struct Result {
@@ -83,10 +84,10 @@ class ClipFiles {
     std::shared_ptr<const LoadedClip> find_locked(const std::filesystem::path& path, const FileStamp& stamp) const;
     std::shared_ptr<const LoadedClip> begin_reading(const voctree::ClipSegment& segment, const FileStamp& stamp);
     void end_reading(const voctree::ClipSegment& segment, const std::shared_ptr<const LoadedClip>& whole);
-    std::shared_ptr<FramePace> pace_of(const std::shared_ptr<const voctree::ClipSource>& source);
     std::shared_ptr<const LoadedClip> load(const voctree::ClipSegment& segment, const FileStamp& stamp,
-                                           stream::Part last);
-    std::shared_ptr<const LoadedClip> read_once(const voctree::ClipSegment& segment);
+                                           stream::Part last, std::optional<double> asked_s);
+    std::shared_ptr<const LoadedClip> read_once(const voctree::ClipSegment& segment,
+                                                std::optional<double> asked_s = {});
     bool wait_for_others();
     void read_coarse(const voctree::ClipSegment& segment);
     bool read_in_time(const voctree::ClipSegment& segment, double asked_s);
@@ -109,8 +110,8 @@ class ClipFiles {
     };
     std::vector<KnownPaint> known_paints_;  // all that are in use
     std::deque<Wanted> wanted_;
-    double wanted_s_ = 0;  // seconds_now() at which they were
-    std::map<std::weak_ptr<const voctree::ClipSource>, std::shared_ptr<FramePace>, std::owner_less<>> paces_;
+    double wanted_s_ = 0;                                                // seconds_now() at which they were
+    std::map<std::filesystem::path, std::shared_ptr<FramePace>> paces_;  // by stream
     std::map<std::filesystem::path, std::shared_ptr<const voctree::ClipSource>> being_read_;
     std::vector<Result> results_;
     bool stop_ = false;

@@ -63,6 +63,8 @@ void StageClips::go_on_from(const StageClips& before) {
     last_s_ = before.last_s_;
     direction_ = before.direction_;
     moved_s_ = before.moved_s_;
+    goes_on_ = before.goes_on_;
+    speed_ = before.speed_;
     // The same file at the same place in the same clip, though that may have another number now.
     const auto now = [&](const Id& id) -> std::optional<Id> {
         const auto found = ids_.find(before.file_of(id).file);
@@ -223,15 +225,16 @@ std::vector<StageClips::Id> StageClips::needed_at(const stage::EvaluatedStage& e
     return needed;
 }
 
-// For how long what is asked for now of a clip that plays by frame is not there yet, while the clock goes on and no
-// image waits for it: frames of which the time is over by then are not worth beginning with.
+// For how many seconds of the stage what is asked for now of a clip that plays by frame is not there yet, while the
+// clock goes on and no image waits for it: frames of which the time is over by then are not worth beginning with.
 double StageClips::lead_s(uint32_t clip, MissingSegments missing) const {
-    const bool goes_on = moved_s_ > 0 && seconds_now() - moved_s_ < kStands_s;
+    const bool goes_on = goes_on_ && seconds_now() - moved_s_ < kStands_s;
     if (!goes_on || missing == MissingSegments::kWait || !clips_[clip].index.plays_by_frame()) return 0;
-    return files_->lead_s(clips_[clip].index.segments[0].source);
+    return speed_ * files_->pace_of(clips_[clip].index.segments[0])->lead_s();
 }
 
-// What the performers show next, the earliest first: what is there, or will be by the time at which it is shown.
+// What the performers show next: what they show when the first that is asked for can be there, then, the earliest
+// first, what is there or can be in time.
 std::vector<StageClips::Id> StageClips::ahead_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated,
                                                  MissingSegments missing) const {
     std::vector<double> leads_s;
@@ -247,14 +250,17 @@ std::vector<StageClips::Id> StageClips::ahead_of(const stage::Stage& stage, cons
         until_s = std::max(until_s, by_frame ? std::min(kAhead_s, leads_s[i] + room_of(clip) * frame_s) : kAhead_s);
     }
     step_s = std::max(step_s, kLeastStep_s);
+    const auto add = [&](stage::EvaluatedPerformer performer, double after_s) {
+        if (!performer.visible || clips_[performer.clip].segments.size() == 1) return;
+        performer.frame = static_cast<float>(
+            stage::frame_at(stage.performers[performer.performer].timeline, evaluated.time_s + direction_ * after_s));
+        for (const Id& id : segments_of(performer))
+            if ((after_s >= leads_s[id.clip] || drawn(at(id))) && !contains(ahead, id)) ahead.push_back(id);
+    };
+    for (const stage::EvaluatedPerformer& performer : evaluated.performers)
+        if (leads_s[performer.clip] > 0) add(performer, leads_s[performer.clip]);
     for (double after_s = step_s; after_s <= until_s; after_s += step_s)
-        for (stage::EvaluatedPerformer performer : evaluated.performers) {
-            if (!performer.visible || clips_[performer.clip].segments.size() == 1) continue;
-            performer.frame = static_cast<float>(stage::frame_at(stage.performers[performer.performer].timeline,
-                                                                 evaluated.time_s + direction_ * after_s));
-            for (const Id& id : segments_of(performer))
-                if ((after_s >= leads_s[id.clip] || drawn(at(id))) && !contains(ahead, id)) ahead.push_back(id);
-        }
+        for (const stage::EvaluatedPerformer& performer : evaluated.performers) add(performer, after_s);
     return ahead;
 }
 
@@ -359,19 +365,26 @@ std::vector<ClipFiles::Wanted> StageClips::wanted_of(const std::vector<Id>& need
     for (const Id& id : ahead)
         if (kept.contains(id) && !contains(needed, id)) add(id, false, !all_stand);
     for (const Id& id : needed)
-        if (is_late(id)) add(id, false, true);
+        if (is_late(id)) add(id, false, !stands(id));
     return wanted;
+}
+
+// A clock goes on that moves shortly after it moved or jumped: a single step is none.
+void StageClips::note_clock(double time_s) {
+    constexpr double kNewSpeed = 0.3, kLeastSpeed = 0.1, kMostSpeed = 4;
+    const double step_s = time_s - std::exchange(last_s_, time_s), now_s = seconds_now();
+    if (step_s == 0) return;
+    const double since_s = now_s - std::exchange(moved_s_, now_s);
+    goes_on_ = std::abs(step_s) < kJump_s && since_s < kStands_s;
+    if (std::abs(step_s) >= kJump_s) return;
+    direction_ = step_s < 0 ? -1 : 1;
+    if (goes_on_ && since_s > 0)
+        speed_ = std::clamp(speed_ + kNewSpeed * (std::abs(step_s) / since_s - speed_), kLeastSpeed, kMostSpeed);
 }
 
 void StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, MissingSegments missing) {
     if (ids_.empty()) return;
-    if (const double step_s = evaluated.time_s - last_s_; std::abs(step_s) >= kJump_s) {
-        moved_s_ = 0;
-    } else if (step_s != 0) {
-        direction_ = step_s < 0 ? -1 : 1;
-        moved_s_ = seconds_now();
-    }
-    last_s_ = evaluated.time_s;
+    note_clock(evaluated.time_s);
     take_results();
     show_late_frames(evaluated);
     const std::vector<Id> needed = needed_at(evaluated), ahead = ahead_of(stage, evaluated, missing);

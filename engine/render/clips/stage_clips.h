@@ -100,6 +100,7 @@ class StageClips {
     std::vector<Id> segments_of(const stage::EvaluatedPerformer& performer) const;
     double lead_s(uint32_t clip, MissingSegments missing) const;
     bool is_missing(const Id& id) const { return at(id).readable && !at(id).loaded; }
+    void note_clock(double time_s);
     void take_results();
     void fail(const Id& id, const Note& problem);
     void take(const Id& id, std::shared_ptr<const LoadedClip> loaded, ClipFiles::Paints paints);
@@ -128,7 +129,9 @@ class StageClips {
     std::vector<std::shared_ptr<const LoadedClip>> dropped_;
     std::map<Id, double> needed_since_s_;  // seconds_now(), of what performers show
     double last_s_ = 0, direction_ = 1;    // of the stage's clock: 1 or −1
-    double moved_s_ = 0;                   // seconds_now() at which it went on; 0: it jumped, or never did
+    double moved_s_ = 0;                   // seconds_now() at which it moved last
+    bool goes_on_ = false;                 // whether it did not jump then, and had moved shortly before
+    double speed_ = 1;                     // of the stage's seconds a real one, as it goes on
 };
 
 }  // namespace neuvv::render

@@ -124,7 +124,8 @@ struct HttpSource::Answer {
     long status = 0;
     uint64_t most = 0;  // bytes that are taken
     std::vector<uint8_t> bytes;
-    std::string range;  // of the last answer's header
+    std::string range;                   // of the last answer's header
+    double first_byte_s = 0, all_s = 0;  // since it was asked for
     std::string problem;
     RedirectRule redirects;
 
@@ -211,6 +212,8 @@ HttpSource::Answer HttpSource::request(uint64_t offset, uint64_t count) {
         answer.code = curl_easy_perform(curl_);
         curl_easy_setopt(curl_, CURLOPT_ERRORBUFFER, nullptr);
         curl_easy_getinfo(curl_, CURLINFO_RESPONSE_CODE, &answer.status);
+        curl_easy_getinfo(curl_, CURLINFO_STARTTRANSFER_TIME, &answer.first_byte_s);
+        curl_easy_getinfo(curl_, CURLINFO_TOTAL_TIME, &answer.all_s);
         answer.problem = text_of(answer.code, problem[0] ? problem : curl_easy_strerror(answer.code));
         if (stop_requested()) throw RuntimeFailure(fmt::format("stopped while waiting for {}", server_of(address_)));
         if (watched.watch.was_too_slow())
@@ -255,6 +258,7 @@ std::vector<uint8_t> HttpSource::fetch(const Blocks& blocks) {
     if (stamp_.bytes != 0) count = std::min(count, stamp_.bytes - offset);
     Answer answer = request(offset, count);
     require_range(answer, offset, count);
+    measure_line(answer);
     return std::move(answer.bytes);
 }
 
@@ -379,11 +383,24 @@ HttpSource::Blocks HttpSource::missing_needed_locked() const {
 
 // Of what is read next: the first blocks that are not here.
 HttpSource::Blocks HttpSource::missing_ahead_locked() const {
-    const double bytes = recent_s_ > 0 ? kRequestAhead_s * recent_bytes_ / recent_s_ : 0;
-    const uint64_t most = std::clamp<uint64_t>(static_cast<uint64_t>(bytes) / kBlock, 1, kMostOfARequest);
+    const uint64_t most = most_ahead_locked();
     for (const Blocks& blocks : ahead_)
         if (const Blocks missing = missing_locked(blocks, most); missing.count() > 0) return missing;
     return {};
+}
+
+void HttpSource::measure_line(const Answer& answer) {
+    constexpr double kOlder = 0.7;
+    const std::lock_guard lock(mutex_);
+    answer_s_ = line_s_ > 0 ? kOlder * answer_s_ + (1 - kOlder) * answer.first_byte_s : answer.first_byte_s;
+    line_bytes_ = kOlder * line_bytes_ + static_cast<double>(answer.bytes.size());
+    line_s_ = kOlder * line_s_ + std::max(answer.all_s - answer.first_byte_s, 1e-6);
+}
+
+// In blocks.
+uint64_t HttpSource::most_ahead_locked() const {
+    const double bytes = std::max(kRequestAhead_s, 2 * answer_s_) * line_bytes_ / line_s_;
+    return static_cast<uint64_t>(std::clamp(bytes / kBlock, 1.0, double{kMostOfARequest}));
 }
 
 // A request counts with the time that the server needs to answer: small ones are as slow as they are. What comes from

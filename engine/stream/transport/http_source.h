@@ -38,8 +38,9 @@ class HttpSource : public ByteSource {
     static constexpr uint64_t kBlock = uint64_t{64} << 10;
     static constexpr uint64_t kMostBlocks = 1024;    // 64 MiB
     static constexpr uint64_t kMostOfARequest = 16;  // blocks
-    // Of what is read ahead, no more than comes in so many seconds: who waits for others must wait for these first.
-    static constexpr double kRequestAhead_s = 0.15;
+    // Of what is read ahead, a block or more: as many as come in so many seconds, or in twice the time that the server
+    // needs to answer. Who waits for others must wait for these first.
+    static constexpr double kRequestAhead_s = 0.1;
     static constexpr uint64_t kMostAhead = kMostBlocks / 2;
 
   private:
@@ -63,6 +64,8 @@ class HttpSource : public ByteSource {
     Blocks missing_needed_locked() const;
     Blocks missing_ahead_locked() const;
     void measure_locked(uint64_t bytes, double seconds);
+    void measure_line(const Answer& answer);
+    uint64_t most_ahead_locked() const;
     void keep_locked(uint64_t first, const std::vector<uint8_t>& bytes);
     void use_locked(uint64_t block);
     std::string address_;
@@ -75,10 +78,13 @@ class HttpSource : public ByteSource {
     mutable std::mutex mutex_;         // guards all that follows
     std::condition_variable changed_;
     std::map<uint64_t, std::vector<uint8_t>> blocks_;
-    std::vector<uint64_t> order_;             // of the blocks, the one that was used last at the end
-    std::vector<Need*> needs_;                // of the calls of read(), the first first
-    std::vector<Blocks> ahead_;               // what will be read next
-    double recent_bytes_ = 0, recent_s_ = 0;  // of the last requests: older ones count less
+    std::vector<uint64_t> order_;  // of the blocks, the one that was used last at the end
+    std::vector<Need*> needs_;     // of the calls of read(), the first first
+    std::vector<Blocks> ahead_;    // what will be read next
+    // Of the last requests, of which older ones count less: bytes and seconds, also of copies from the disk; and of the
+    // line alone, from the first byte of an answer on, and the seconds before that.
+    double recent_bytes_ = 0, recent_s_ = 0;
+    double line_bytes_ = 0, line_s_ = 0, answer_s_ = 0;
     bool stop_ = false;
     std::thread thread_;
 };

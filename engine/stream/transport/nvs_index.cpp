@@ -95,6 +95,17 @@ Group read_group(ByteReader& reader, bool has_filled, CaptureFrame* frame) {
     return group;
 }
 
+// Nothing, or as large as a leaf.
+bool may_be_filled(const BoxPart& part) {
+    constexpr float kLeast = 1.0f / (1u << kMaxDepth);
+    const auto is_zero = [](float number) { return number == 0; };
+    if (std::ranges::all_of(part.low, is_zero) && std::ranges::all_of(part.high, is_zero)) return true;
+    for (size_t axis = 0; axis < 3; ++axis)
+        if (!(part.low[axis] >= 0) || !(part.high[axis] <= 1) || !(part.high[axis] - part.low[axis] >= kLeast))
+            return false;
+    return true;
+}
+
 // Throws where the numbers of a group are out of bounds.
 void expect_sound(const Group& group, const Index& index, uint64_t offset) {
     const auto fail = [&](const char* problem) {
@@ -109,10 +120,7 @@ void expect_sound(const Group& group, const Index& index, uint64_t offset) {
         if (!std::isfinite(group.box_min[axis]) || !(group.box_size[axis] >= kLeastBox) ||
             !std::isfinite(group.box_min[axis] + group.box_size[axis]))
             fail("has a box that cannot be");
-    for (size_t axis = 0; group.filled && axis < 3; ++axis)
-        if (!(group.filled->low[axis] >= 0) || !(group.filled->low[axis] <= group.filled->high[axis]) ||
-            !(group.filled->high[axis] <= 1))
-            fail("has leaves in a box that cannot be");
+    if (group.filled && !may_be_filled(*group.filled)) fail("has leaves in a box that cannot be");
     if (group.offset != offset) fail("does not begin where the one before ends");
     if (!index.frames[group.first].is_key) fail("does not begin with a key frame");
 }

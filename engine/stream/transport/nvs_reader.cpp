@@ -4,7 +4,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <thread>
@@ -82,10 +81,12 @@ Reader::Reader(const std::filesystem::path& path) : path_(path) {
         source_->forget_copies();
         throw InputError(path_.string(), bad.place, bad.what(), bad.fix);
     }
-    // Most players show the first frame first. It comes while they get ready.
-    std::vector<ByteRange> first = parts_of(0, kShFine);
-    first.insert(first.begin(), {index_.groups[0].offset, index_.groups[0].table_bytes});
-    source_->read_ahead(first);
+}
+
+void Reader::read_first_ahead() {
+    std::vector<ByteRange> ranges = parts_of(0, kShFine);
+    ranges.insert(ranges.begin(), {index_.groups[0].offset, index_.groups[0].table_bytes});
+    source_->read_ahead(ranges);
 }
 
 std::vector<ByteRange> Reader::parts_of(uint32_t frame, Part last) const {
@@ -132,7 +133,8 @@ void Reader::read_ahead(uint32_t frame, Part last) {
 // How many frames of a group are kept, by what the largest of them takes.
 size_t Reader::kept_of(uint32_t group) const {
     const Format& format = index_.groups[group].format;
-    const uint64_t leaf_bytes = 2 * sizeof(Leaf) + sizeof(int16_t) * planes_of(format.degree);  // in shape and slice
+    const uint64_t leaf_bytes =
+        2 * sizeof(Leaf) + sizeof(int16_t) * planes_of(format.degree);  // in shape and slice, at most
     const uint64_t frame_bytes = std::max<uint64_t>(format.most_leaves, 1) * leaf_bytes;
     const size_t least = frames_at_once() + 3;  // the reader's threads each decode one, and others repeat it
     return static_cast<size_t>(std::clamp<uint64_t>(kKeptBytes / frame_bytes, least, kMostKept));
@@ -223,9 +225,10 @@ std::shared_ptr<const QuantisedSlice> Reader::slice_of(FrameInProgress& begun, D
         FrameShape& shape = *begun.shape;
         Planes planes = decode_planes(shape, parts, begun.last, tables, format, before.get(), in_parts);
         const bool may_be_repeated = begun.frame + 1 < index_.frames.size() && !index_.frames[begun.frame + 1].is_key;
-        std::vector<Leaf> leaves = may_be_repeated ? shape.merged.leaves : std::move(shape.merged.leaves);
-        begun.slice = std::make_shared<const QuantisedSlice>(
-            QuantisedSlice{format.depth, format.degree, std::move(leaves), std::move(planes)});
+        auto slice =
+            std::make_shared<QuantisedSlice>(QuantisedSlice{format.depth, format.degree, {}, std::move(planes)});
+        slice->leaves = may_be_repeated ? shape.merged.leaves : std::move(shape.merged.leaves);
+        begun.slice = std::move(slice);
     } catch (const std::runtime_error& problem) {
         fail(fmt::format("frame {}", begun.frame), problem.what());
     }

@@ -61,11 +61,13 @@ class Reader {
     // without waiting for each other unless their frames depend on the same key frame.
     static constexpr size_t kMostKept = 16;
     static constexpr uint64_t kKeptBytes = uint64_t{64} << 20;
-    // From a server, the bytes of the frames of so many seconds behind it are fetched meanwhile, and those of the first
-    // frame as soon as the stream is open.
+    // From a server, the bytes of the frames of so many seconds behind it are fetched meanwhile.
     static constexpr double kAhead_s = 3;
     // `times` becomes what this call took to decode, without what it waited.
     std::shared_ptr<const QuantisedSlice> frame(uint32_t frame, Part last = kShFine, DecodeTimes* times = nullptr);
+
+    // From a server, has the first frame fetched, which most players show first, while the caller gets ready.
+    void read_first_ahead();
 
     GroupCost cost_of(uint32_t frame) const;  // of its group
     // As they come from a server; nothing where they are here.

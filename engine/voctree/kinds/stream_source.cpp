@@ -119,6 +119,7 @@ std::shared_ptr<stream::Reader> open_stream(const std::filesystem::path& path) {
             if (auto reader = found->second.lock(); reader && is_current(*reader)) return reader;
     }
     auto reader = std::make_shared<stream::Reader>(path);  // which may take as long as a server does
+    reader->read_first_ahead();
     const std::lock_guard lock(mutex);
     open[path] = reader;
     return reader;
