@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -136,7 +137,10 @@ size_t Reader::kept_of(uint32_t group) const {
     const uint64_t leaf_bytes =
         2 * sizeof(Leaf) + sizeof(int16_t) * planes_of(format.degree);  // in shape and slice, at most
     const uint64_t frame_bytes = std::max<uint64_t>(format.most_leaves, 1) * leaf_bytes;
-    const size_t least = frames_at_once() + 3;  // the reader's threads each decode one, and others repeat it
+    const auto frames = std::span(index_.frames).subspan(index_.groups[group].first, index_.groups[group].frames);
+    const bool repeats = !std::ranges::all_of(frames, &FrameEntry::is_key);
+    // The reader's threads each decode one, and others may repeat it.
+    const size_t least = frames_at_once() + (repeats ? 3 : 1);
     return static_cast<size_t>(std::clamp<uint64_t>(kKeptBytes / frame_bytes, least, kMostKept));
 }
 
