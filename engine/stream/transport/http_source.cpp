@@ -399,7 +399,7 @@ void HttpSource::measure_line(const Answer& answer) {
 
 // In blocks.
 uint64_t HttpSource::most_ahead_locked() const {
-    const double bytes = std::max(kRequestAhead_s, 2 * answer_s_) * line_bytes_ / line_s_;
+    const double bytes = std::max(kRequestAhead_s, 4 * answer_s_) * line_bytes_ / line_s_;
     return static_cast<uint64_t>(std::clamp(bytes / kBlock, 1.0, double{kMostOfARequest}));
 }
 
