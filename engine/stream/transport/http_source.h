@@ -38,8 +38,8 @@ class HttpSource : public ByteSource {
     static constexpr uint64_t kBlock = uint64_t{64} << 10;
     static constexpr uint64_t kMostBlocks = 1024;    // 64 MiB
     static constexpr uint64_t kMostOfARequest = 16;  // blocks
-    // Of what is read ahead, a block or more: as many as come in so many seconds, or in four times what the server needs
-    // to answer, so that most of the time bytes come. Who waits for others must wait for these first.
+    // Of what is read ahead, a block or more: as many as come in so many seconds, or in four times what the server
+    // needs to answer, so that most of the time bytes come. Who waits for others must wait for these first.
     static constexpr double kRequestAhead_s = 0.1;
     static constexpr uint64_t kMostAhead = kMostBlocks / 2;
 
