@@ -18,13 +18,12 @@ void FramePace::learn(const SegmentTimes& times) {
 void FramePace::learn_arrival(double seconds) {
     constexpr double kNew = 0.15, kNewDeviation = 0.25;
     const std::lock_guard lock(mutex_);
-    if (has_arrivals_) {
-        deviation_s_ += kNewDeviation * (std::abs(seconds - arrival_s_) - deviation_s_);
-        arrival_s_ += kNew * (seconds - arrival_s_);
-    } else {
+    if (arrival_s_ == 0) {
         arrival_s_ = seconds;
+        return;
     }
-    has_arrivals_ = true;
+    deviation_s_ += kNewDeviation * (std::abs(seconds - arrival_s_) - deviation_s_);
+    arrival_s_ += kNew * (seconds - arrival_s_);
 }
 
 stream::Part FramePace::part_in_time(const stream::GroupCost& group, std::optional<double> bytes_per_s) {

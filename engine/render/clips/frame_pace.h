@@ -36,9 +36,8 @@ class FramePace {
         stream::Part last = stream::kShFine;
         double until_s = 0;  // seconds_now()
     };
-    std::vector<Chosen> chosen_;  // by part_in_time()
-    bool has_arrivals_ = false;
-    double arrival_s_ = 0, deviation_s_ = 0;  // means in which older values count less
+    std::vector<Chosen> chosen_;              // by part_in_time()
+    double arrival_s_ = 0, deviation_s_ = 0;  // means in which older values count less; 0: there was none
 };
 
 }  // namespace neuvv::render

@@ -53,13 +53,13 @@ struct FrameBefore {
 };
 
 // A key frame may take so many times the bytes of the same frame with repeats: it is decoded without any others, so
-// players get there at once, and may leave out those before it. Few repeats save nothing at all: what is left of the
-// shape is harder to foresee.
+// players get there at once, and may leave out those before it. Few repeats save nothing at all, because what is left
+// of the shape is less regular.
 constexpr double kKeyWorth = 1.05;
 
-// Encodes a slice, without a frame before it as a key frame, with one as what takes fewer bytes (kKeyWorth). Blocks of
-// 4³ finest cells that are the same in the frame before, or differ by less than rounding does, are repeated. `decoded`
-// becomes what decode() returns. Planes are encoded `in_parts`.
+// Encodes a slice: as a key frame, or, where there is a frame before it, with repeats of that one if this takes fewer
+// bytes (kKeyWorth). Blocks of 4³ finest cells that are the same there, or differ by less than rounding does, are
+// repeated. `decoded` becomes what decode() returns. Planes are encoded `in_parts`.
 FrameSymbols encode(const QuantisedSlice& slice, const Steps& steps, const std::optional<FrameBefore>& before,
                     QuantisedSlice& decoded, const InParts& in_parts = in_one_part);
 void count(const FrameSymbols& frame, Counts& counts);

@@ -81,9 +81,9 @@ class HttpSource : public ByteSource {
     std::vector<uint64_t> order_;  // of the blocks, the one that was used last at the end
     std::vector<Need*> needs_;     // of the calls of read(), the first first
     std::vector<Blocks> ahead_;    // what will be read next
-    // Of the last requests, of which older ones count less: bytes and seconds, also of copies from the disk; and of the
-    // line alone, from the first byte of an answer on, and the seconds before that.
+    // Of the last requests, of which older ones count less. Bytes and seconds, also of copies from the disk:
     double recent_bytes_ = 0, recent_s_ = 0;
+    // Of those that the server answered: bytes, seconds from the first byte on, and seconds until the first byte.
     double line_bytes_ = 0, line_s_ = 0, answer_s_ = 0;
     bool stop_ = false;
     std::thread thread_;
