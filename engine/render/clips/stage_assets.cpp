@@ -43,14 +43,15 @@ const StageLoader::KnownHeader& StageLoader::header_of(const voctree::ClipSegmen
     return headers_[segment.file] = header;
 }
 
-// Its first readable segment is read; others that are on the device, for an earlier version of the stage, are found.
+// Those that are on the device, for an earlier version of the stage, are found; where there is none, the first readable
+// one is read.
 void StageLoader::load_segments(ClipOnDevice& clip, std::vector<Note>& problems) {
     for (const voctree::ClipSegment& segment : clip.index.segments) {
         ClipOnDevice::Segment& one = clip.segments.emplace_back();
         const KnownHeader& header = header_of(segment);
         Note problem = header.problem;
         try {
-            if (problem.empty()) one.loaded = clip.first ? files_->find(segment) : files_->read(segment);
+            if (problem.empty()) one.loaded = files_->find(segment);
         } catch (const InputError& error) {
             problem = Note(error);
         }
@@ -60,6 +61,16 @@ void StageLoader::load_segments(ClipOnDevice& clip, std::vector<Note>& problems)
         if (!one.readable || !header.box) continue;
         clip.leaf_box.first = glm::min(clip.leaf_box.first, header.box->first);
         clip.leaf_box.second = glm::max(clip.leaf_box.second, header.box->second);
+    }
+    for (size_t i = 0; i < clip.segments.size() && !clip.first; ++i) {
+        ClipOnDevice::Segment& one = clip.segments[i];
+        if (!one.readable) continue;
+        try {
+            clip.first = one.loaded = files_->read(clip.index.segments[i]);
+        } catch (const InputError& error) {
+            one.readable = false;
+            problems.push_back(Note(error));
+        }
     }
 }
 

@@ -25,8 +25,9 @@ struct ClipOnDevice {
         ClipFiles::Paints paints{};  // of a segmented clip: for each of `layers`, of what is loaded
     };
     voctree::ClipIndex index;
-    std::vector<Segment> segments;                 // in the order of the index
-    std::shared_ptr<const LoadedClip> first;       // the first that is readable, which stays on the device
+    std::vector<Segment> segments;  // in the order of the index
+    // The first that is readable, which stays on the device; of a stream, a frame that is there.
+    std::shared_ptr<const LoadedClip> first;
     std::pair<glm::dvec3, glm::dvec3> leaf_box{};  // around the leaves of all (min, max), performer's space, metres
     std::vector<LayerFolders> layers{};            // of a segmented clip: what performers are painted with, each once
 };

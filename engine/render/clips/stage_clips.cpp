@@ -51,7 +51,7 @@ StageClips::StageClips(const StageAssets& assets)
             const Id id{clip, i};
             ids_[file_of(id).file].push_back(id);
             if (at(id).loaded) on_device_.insert(id);
-            if (at(id).loaded == clips_[clip].first) first_.insert(id);
+            if (at(id).loaded == clips_[clip].first && !clips_[clip].index.plays_by_frame()) first_.insert(id);
         }
     }
     if (!ids_.empty()) return;
@@ -264,8 +264,8 @@ std::vector<StageClips::Id> StageClips::ahead_of(const stage::Stage& stage, cons
     return ahead;
 }
 
-// Of each segmented clip: its first readable segment, those that are needed or drawn in their place, and as many of
-// those ahead and then of those that were shown as there is room for.
+// Of each segmented clip: its first readable segment where that stays, those that are needed or drawn in their place,
+// and as many of those ahead and then of those that were shown as there is room for.
 std::set<StageClips::Id> StageClips::chosen(const std::vector<Id>& needed, const std::vector<Id>& ahead) const {
     std::set<Id> chosen = first_;
     chosen.insert(needed.begin(), needed.end());
@@ -281,7 +281,17 @@ std::set<StageClips::Id> StageClips::chosen(const std::vector<Id>& needed, const
     for (const std::vector<Id>* list : {&ahead, &recent_})
         for (const Id& id : *list)
             if (room[id.clip] > 0 && at(id).readable && chosen.insert(id).second) --room[id.clip];
+    keep_one_frame(chosen);
     return chosen;
+}
+
+// Of each stream one frame stays until another is there.
+void StageClips::keep_one_frame(std::set<Id>& chosen) const {
+    for (uint32_t clip = 0; clip < clips_.size(); ++clip) {
+        const auto is_drawn = [&](const Id& id) { return id.clip == clip && drawn(at(id)); };
+        if (!clips_[clip].index.plays_by_frame() || std::ranges::any_of(chosen, is_drawn)) continue;
+        if (const auto one = std::ranges::find_if(on_device_, is_drawn); one != on_device_.end()) chosen.insert(*one);
+    }
 }
 
 // Coarse trees of segments that are there as a whole go, too.
@@ -297,6 +307,11 @@ void StageClips::drop_all_but(const std::set<Id>& kept) {
         return !stays || !drawn(segment);
     });
     std::erase_if(recent_, [&](const Id& id) { return !on_device_.contains(id); });
+    for (const Id& id : on_device_) {
+        ClipOnDevice& clip = clips_[id.clip];
+        if (!clip.index.plays_by_frame()) continue;
+        clip.first = at(id).loaded ? at(id).loaded : at(id).coarse;
+    }
 }
 
 // Frames of a stream may come later than they are due. Then performers show the one that came, where it is nearer to

@@ -108,6 +108,7 @@ class StageClips {
     std::vector<Id> ahead_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated,
                              MissingSegments missing) const;
     std::set<Id> chosen(const std::vector<Id>& needed, const std::vector<Id>& ahead) const;
+    void keep_one_frame(std::set<Id>& chosen) const;
     void drop_all_but(const std::set<Id>& kept);
     void show_late_frames(const stage::EvaluatedStage& evaluated);
     void note_needed(const std::vector<Id>& needed);
@@ -122,7 +123,7 @@ class StageClips {
     bool told_lack_of_memory_ = false;  // since something was read
     // Of segmented clips only:
     std::map<std::filesystem::path, std::vector<Id>> ids_;  // by file
-    std::set<Id> first_;                                    // the segment of each that stays on the device
+    std::set<Id> first_;                                    // the one of each that stays; none of a stream
     std::set<Id> on_device_;                                // those with a loaded or a coarse tree
     std::vector<std::optional<Shown>> shown_;               // by performer: what it showed last
     std::vector<Id> recent_;                                // what was shown and is on the device, the newest first

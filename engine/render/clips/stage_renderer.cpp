@@ -173,9 +173,10 @@ std::shared_ptr<const Field> StageRenderer::find_field(const std::filesystem::pa
 StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, const StageAssets& assets) const {
     NextPaints next;
     for (size_t i = 0; i < stage.performers.size(); ++i) {
-        next.of_performer.push_back({assets.clips[stage.performers[i].clip].first, assets.paint[i]});
-        const PaintKey& key = next.of_performer.back();
-        if (key.layers.empty() || paint_numbers_.contains(key) || next.new_paints.contains(key)) continue;
+        PaintKey& key = next.of_performer.emplace_back();
+        if (assets.paint[i].empty()) continue;
+        key = {assets.clips[stage.performers[i].clip].first, assets.paint[i]};
+        if (paint_numbers_.contains(key) || next.new_paints.contains(key)) continue;
         std::vector<PaintUse> uses;
         for (const LoadedLayer& layer : key.layers) uses.push_back({layer.edits.get(), layer.blend, layer.opacity});
         next.new_paints.try_emplace(key, device_, key.clip->field.leaf_count, uses);
@@ -193,8 +194,12 @@ void StageRenderer::apply_paints(const stage::Stage& stage, NextPaints next) {
     paints_.clear();
     for (size_t i = 0; i < stage.performers.size(); ++i) {
         const PaintKey& key = next.of_performer[i];
+        if (key.layers.empty()) {
+            paints_.push_back(0);
+            continue;
+        }
         const auto [number, is_new] = numbers.try_emplace(key, 0);
-        if (is_new && !key.layers.empty()) {
+        if (is_new) {
             const auto kept = paint_numbers_.find(key);
             number->second = kept != paint_numbers_.end()
                                  ? kept->second

@@ -95,7 +95,7 @@ class StageRenderer {
     const FrameRenderer& frames() const { return *frames_; }
     const SetRaster& set() const { return *set_; }
     // The field of a clip (an index into Stage::clips), valid until the next change(); of a segmented clip, that of its
-    // first segment that can be read.
+    // first segment that can be read, and of a stream, that of a frame, valid until the next image.
     const Field& field(uint32_t clip) const { return first(clip)->field; }
     // The same field, valid for as long as the pointer exists.
     std::shared_ptr<const Field> shared_field(uint32_t clip) const { return {first(clip), &first(clip)->field}; }
@@ -121,7 +121,7 @@ class StageRenderer {
     uint32_t paint_of(uint32_t performer) const { return paints_[performer]; }
 
   private:
-    // Performers with equal keys share a paint.
+    // Performers with equal keys share a paint. Without layers there is none, and no clip.
     struct PaintKey {
         std::shared_ptr<const LoadedClip> clip;
         std::vector<LoadedLayer> layers;
