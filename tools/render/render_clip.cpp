@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -28,6 +29,7 @@
 #include "voctree/files/clip_index.h"
 #include "voctree/files/nvpaint.h"
 #include "voctree/files/occupied_box.h"
+#include "voctree/kinds/clip_source.h"
 
 namespace neuvv::tools {
 
@@ -113,6 +115,8 @@ struct RenderPlan {
     voctree::ClipIndex clip;
     std::pair<glm::dvec3, glm::dvec3> box;  // around the leaves
     PaintStack paint;
+    // Of a clip that is one file with bases, which was read for its box and paint.
+    std::shared_ptr<const voctree::SegmentContent> content;
     Playback playback;
     std::vector<ViewStep> path;
     media::ImageSize size;
@@ -148,17 +152,21 @@ std::vector<ViewStep> view_path(const RenderOptions& options, const RenderPlan& 
 void read_scene(const RenderOptions& options, RenderPlan& plan) {
     plan.clip = voctree::read_clip_index(options.scene, up_of(options.scene, options.up));
     plan.paint.names = parse_paint(options.paint);
-    if (plan.clip.segments.size() == 1) {
-        const voctree::VOctree tree = voctree::read_shown_segment(plan.clip.segments[0]);
-        plan.box = voctree::occupied_box(tree);
-        const voctree::PaintedField field = voctree::painted_field(tree);
-        for (const render::LayerFolder& one : plan.paint.names)
-            plan.paint.layers.push_back(voctree::read_paint(one.folder, field));
+    const voctree::ClipSegment& first = plan.clip.segments[0];
+    if (!plan.paint.names.empty()) first.source->expect_paintable();
+    if (plan.clip.segments.size() > 1 || first.source->plays_by_frame()) {
+        for (const render::LayerFolder& one : plan.paint.names) voctree::expect_paint_folder(one.folder);
+        plan.box = voctree::occupied_box(plan.clip);
         return;
     }
-    if (!plan.paint.names.empty()) voctree::expect_no_stream(options.scene);
-    for (const render::LayerFolder& one : plan.paint.names) voctree::expect_paint_folder(one.folder);
-    plan.box = voctree::occupied_box(plan.clip);
+    plan.content = std::make_shared<const voctree::SegmentContent>(
+        first.source->content(first, stream::kShFine, voctree::PlenoctreeColours::kAsStored));
+    const auto& tree = std::get<voctree::VOctree>(*plan.content);
+    plan.box = voctree::occupied_box(tree);
+    if (plan.paint.names.empty()) return;
+    const voctree::PaintedField field = voctree::painted_field(tree);
+    for (const render::LayerFolder& one : plan.paint.names)
+        plan.paint.layers.push_back(voctree::read_paint(one.folder, field));
 }
 
 RenderPlan plan_render(const RenderOptions& options) {
@@ -201,14 +209,17 @@ uint64_t kept_bytes(const gpu::Device& device) {
 // Draws the images of a plan with the passes that play clips.
 class PlayingRenderer {
   public:
-    PlayingRenderer(const gpu::Device& device, const RenderOptions& options, const RenderPlan& plan)
+    // Frees plan.content once it is on the device.
+    PlayingRenderer(const gpu::Device& device, const RenderOptions& options, RenderPlan& plan)
         : device_(device),
           options_(options),
           plan_(plan),
           segments_(
               plan.clip,
               [&](const voctree::ClipSegment& segment, uint32_t number) {
-                  render::UploadedSegment uploaded = render::upload_segment(device, segment);
+                  const auto content = std::exchange(plan.content, nullptr);
+                  render::UploadedSegment uploaded =
+                      content ? render::upload_content(device, *content) : render::upload_segment(device, segment);
                   paints_[number] = {load_paint(number, uploaded.painted), 0};
                   return std::move(uploaded.field);
               },
@@ -338,7 +349,7 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
                          "name a .nvv of `neuvv train`, a .nvs of `neuvv publish`, the .npz of a PlenOctree, or a "
                          ".gltf or .glb of `neuvv stage`");
     expect_no_stage_options(options);
-    const RenderPlan plan = plan_render(options);
+    RenderPlan plan = plan_render(options);
     const media::ImageSize size = plan.size;
     const auto images = static_cast<uint32_t>(plan.path.size());
     if (options.plan) return planned(options, plan.output, images, size, plan.playback.output_fps);

@@ -24,10 +24,8 @@ UploadedSegment upload_frame(const gpu::Device& device, const voctree::FrameSlic
 
 }  // namespace
 
-UploadedSegment upload_segment(const gpu::Device& device, const voctree::ClipSegment& segment, FarLevels far,
-                               SolidParts solid, stream::Part last) {
-    const voctree::SegmentContent content =
-        segment.source->content(segment, last, voctree::PlenoctreeColours::kAsStored);
+UploadedSegment upload_content(const gpu::Device& device, const voctree::SegmentContent& content, FarLevels far,
+                               SolidParts solid) {
     if (const auto* tree = std::get_if<voctree::VOctree>(&content)) {
         UploadedSegment uploaded = upload_tree(device, *tree, far, solid);
         uploaded.painted = voctree::painted_field(*tree);
@@ -38,6 +36,12 @@ UploadedSegment upload_segment(const gpu::Device& device, const voctree::ClipSeg
     UploadedSegment uploaded = upload_frame(device, frame, solid);
     uploaded.times = SegmentTimes{frame.times, seconds_now() - begin_s};
     return uploaded;
+}
+
+UploadedSegment upload_segment(const gpu::Device& device, const voctree::ClipSegment& segment, FarLevels far,
+                               SolidParts solid, stream::Part last) {
+    return upload_content(device, segment.source->content(segment, last, voctree::PlenoctreeColours::kAsStored), far,
+                          solid);
 }
 
 std::optional<UploadedSegment> upload_coarse(const gpu::Device& device, const voctree::ClipSegment& segment,

@@ -35,6 +35,9 @@ enum class FarLevels { kNo, kYes };
 UploadedSegment upload_segment(const gpu::Device& device, const voctree::ClipSegment& segment,
                                FarLevels far = FarLevels::kYes, SolidParts solid = SolidParts::kNo,
                                stream::Part last = stream::kShFine);
+// The same of what its source has read, with the colours of a PlenOctree as they are stored.
+UploadedSegment upload_content(const gpu::Device& device, const voctree::SegmentContent& content,
+                               FarLevels far = FarLevels::kYes, SolidParts solid = SolidParts::kNo);
 // What stands in for a segment until the whole is read; nothing where its file has no such tree. It has no paint.
 std::optional<UploadedSegment> upload_coarse(const gpu::Device& device, const voctree::ClipSegment& segment,
                                              SolidParts solid);
