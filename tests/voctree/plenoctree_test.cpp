@@ -19,6 +19,7 @@
 #include "voctree/files/clip.h"
 #include "voctree/files/half.h"
 #include "voctree/files/nvv.h"
+#include "voctree/files/occupied_box.h"
 
 namespace neuvv::test {
 namespace {
@@ -121,6 +122,13 @@ TEST_F(PlenoctreeTest, RaysAreAttenuatedAsInSvox) {
         }
         EXPECT_NEAR(reference::trace(tree, slices, {from, direction}).alpha, 1 - std::exp(-optical_depth), 1e-6);
     }
+}
+
+TEST_F(PlenoctreeTest, BoxOfLeavesIsKnownWithoutTheirColours) {
+    write_npz(file, random_n3tree(9, true, 3).arrays(), ZIP_CM_STORE);
+    for (const voctree::UpAxis up : {voctree::UpAxis::kY, voctree::UpAxis::kZ})
+        EXPECT_EQ(voctree::read_plenoctree_leaf_box(file, up),
+                  voctree::occupied_box(voctree::read_plenoctree(file, voctree::PlenoctreeColours::kAsStored, up)));
 }
 
 // Colours on a display are those of the file: exactly where they do not depend on the direction, else nearly.

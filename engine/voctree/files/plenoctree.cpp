@@ -12,6 +12,7 @@
 #include "base/threads/parallel.h"
 #include "voctree/decode_colours.h"
 #include "voctree/files/half.h"
+#include "voctree/files/occupied_box.h"
 #include "voctree/files/plenoctree_file.h"
 #include "voctree/sh_weights.h"
 
@@ -67,7 +68,7 @@ class ShTurn {
     }
 };
 
-// The leaves with σ > 0, in the order of a VOctree's cells.
+// The leaves in the order of a VOctree's cells. The walk needs the file's nodes alone.
 class LeafWalk {
   public:
     LeafWalk(const PlenoctreeFile& file, UpAxis up) : file_(file), reached_(file.nodes()) {
@@ -77,7 +78,23 @@ class LeafWalk {
         }
         reached_[0] = true;
         visit(0, {0, 0, 0, 0});
-        if (positions.empty()) throw InputError(file.name(), "data", "is empty everywhere", "extract the tree anew");
+    }
+
+    // Drops the leaves of σ ≤ 0. Needs the file's numbers.
+    void keep_dense() {
+        size_t kept = 0;
+        for (size_t i = 0; i < cells.size(); ++i) {
+            if (file_.sigma(cells[i]) <= 0) continue;
+            deepest = std::max(deepest, positions[i].depth);
+            positions[kept] = positions[i];
+            cells[kept++] = cells[i];
+        }
+        positions.resize(kept);
+        cells.resize(kept);
+        if (kept == 0) throw InputError(file_.name(), "data", "is empty everywhere", "extract the tree anew");
+        if (kept > kMaxLeaves)
+            throw InputError(file_.name(), "child", fmt::format("has more than {} leaves", kMaxLeaves),
+                             "extract a coarser tree");
     }
 
     std::vector<LeafPosition> positions;
@@ -95,10 +112,12 @@ class LeafWalk {
             const uint64_t cell = 8 * node + cell_in_file_[i];
             const LeafPosition at{2 * position.x + (i & 1), 2 * position.y + (i >> 1 & 1), 2 * position.z + (i >> 2),
                                   position.depth + 1};
-            if (file_.child(cell) == 0)
-                add_leaf(cell, at);
-            else
+            if (file_.child(cell) != 0) {
                 visit(child_of(node, cell, at.depth), at);
+                continue;
+            }
+            positions.push_back(at);
+            cells.push_back(cell);
         }
     }
 
@@ -115,16 +134,6 @@ class LeafWalk {
             fail(fmt::format("leaves lie deeper than {} levels", kMaxDepth), "extract a coarser tree");
         reached_[index] = true;
         return index;
-    }
-
-    void add_leaf(uint64_t cell, const LeafPosition& position) {
-        if (file_.sigma(cell) <= 0) return;
-        if (positions.size() == kMaxLeaves)
-            throw InputError(file_.name(), "child", fmt::format("has more than {} leaves", kMaxLeaves),
-                             "extract a coarser tree");
-        deepest = std::max(deepest, position.depth);
-        positions.push_back(position);
-        cells.push_back(cell);
     }
 };
 
@@ -158,11 +167,20 @@ void fill_leaves(VOctree& tree, const PlenoctreeFile& file, const LeafWalk& leav
     });
 }
 
+// The leaves of σ > 0. The file's numbers are unpacked while its nodes are walked over.
+LeafWalk read_leaves(PlenoctreeFile& file, UpAxis up) {
+    std::future<void> numbers = std::async(std::launch::async, [&] { file.read_numbers(); });
+    LeafWalk leaves(file, up);
+    numbers.get();
+    leaves.keep_dense();
+    return leaves;
+}
+
 }  // namespace
 
 VOctree read_plenoctree(const std::filesystem::path& path, PlenoctreeColours colours, UpAxis up) {
-    const PlenoctreeFile file(path);
-    const LeafWalk leaves(file, up);
+    PlenoctreeFile file(path);
+    const LeafWalk leaves = read_leaves(file, up);
     VOctree tree;
     std::tie(tree.box_min, tree.box_size) = turned(file.box(), up);
     make_still(tree, file.format().degree);
@@ -181,6 +199,12 @@ VOctree read_plenoctree(const std::filesystem::path& path, PlenoctreeColours col
 
 std::pair<glm::vec3, glm::vec3> read_plenoctree_box(const std::filesystem::path& path, UpAxis up) {
     return turned(read_box_of_file(path), up);
+}
+
+std::pair<glm::dvec3, glm::dvec3> read_plenoctree_leaf_box(const std::filesystem::path& path, UpAxis up) {
+    PlenoctreeFile file(path);
+    const auto [box_min, box_size] = turned(file.box(), up);
+    return occupied_box(read_leaves(file, up).positions, box_min, box_size);
 }
 
 }  // namespace neuvv::voctree

@@ -96,26 +96,28 @@ std::string format_name(const NpzReader& npz, const std::string& file, uint64_t 
 
 }  // namespace
 
-PlenoctreeFile::PlenoctreeFile(const std::filesystem::path& path) : name_(path.string()) {
-    const NpzReader npz = open_npz(path);
-    box_ = read_box(npz, name_);
-    child_ = read_array(npz, name_, "child");
+PlenoctreeFile::PlenoctreeFile(const std::filesystem::path& path)
+    : name_(path.string()), npz_(open_npz(path)), box_(read_box(npz_, name_)) {
+    child_ = read_array(npz_, name_, "child");
     const auto& shape = child_.header.shape;
     if (child_.header.type != "<i4" || shape.size() != 4 || shape[0] == 0 || shape[1] != 2 || shape[2] != 2 ||
         shape[3] != 2)
         throw InputError(name_, "child", "is not of type <i4 and shape (nodes, 2, 2, 2)", kFix);
-    quantised_ = npz.has("quant_colors");
+}
+
+void PlenoctreeFile::read_numbers() {
+    quantised_ = npz_.has("quant_colors");
     if (quantised_)
-        read_quantised(npz);
+        read_quantised();
     else
-        read_whole(npz);
-    format_ = format_of(format_name(npz, name_, row_), name_);
+        read_whole();
+    format_ = format_of(format_name(npz_, name_, row_), name_);
     if (row_ != 3 * uint64_t{format_.numbers} + 1)
         throw InputError(name_, "data_format", fmt::format("does not fit {} numbers a leaf", row_), kFix);
 }
 
-void PlenoctreeFile::read_whole(const NpzReader& npz) {
-    data_ = read_array(npz, name_, "data");
+void PlenoctreeFile::read_whole() {
+    data_ = read_array(npz_, name_, "data");
     const auto& shape = data_.header.shape;
     halves_ = data_.header.type == "<f2";
     if ((!halves_ && data_.header.type != "<f4") || shape.size() != 5 ||
@@ -126,18 +128,18 @@ void PlenoctreeFile::read_whole(const NpzReader& npz) {
 
 // volrend's compress_octree.py: of each channel's numbers the first ones stay, and each of the others is, for all three
 // channels together, one of the 65536 colours of a palette.
-void PlenoctreeFile::read_quantised(const NpzReader& npz) {
-    palettes_ = read_array(npz, name_, "quant_colors");
-    indices_ = read_array(npz, name_, "quant_map");
-    sigma_ = read_array(npz, name_, "sigma");
+void PlenoctreeFile::read_quantised() {
+    palettes_ = read_array(npz_, name_, "quant_colors");
+    indices_ = read_array(npz_, name_, "quant_map");
+    sigma_ = read_array(npz_, name_, "sigma");
     const auto& palettes = palettes_.header.shape;
     if (palettes_.header.type != "<f2" || palettes.size() != 3 || palettes[0] == 0 || palettes[1] == 0 ||
         palettes[2] != 3)
         throw InputError(name_, "quant_colors", "is not of type <f2 and shape (numbers, colours, 3)", kFix);
     expect_cells(indices_, "quant_map", "<u2", palettes[0], 0);
     expect_cells(sigma_, "sigma", "<f2", 0, 0);
-    if (npz.has("data_retained")) {
-        retained_ = read_array(npz, name_, "data_retained");
+    if (npz_.has("data_retained")) {
+        retained_ = read_array(npz_, name_, "data_retained");
         retained_count_ = retained_.header.shape.empty() ? 0 : retained_.side(0);
         expect_cells(retained_, "data_retained", "<f2", retained_count_, 3);
     }

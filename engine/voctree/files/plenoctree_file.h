@@ -42,16 +42,21 @@ struct PlenoctreeBox {
 // the place in it, and the fix.
 class PlenoctreeFile {
   public:
-    // Throws for what is damaged or of a format that is not read, and for trees in NDC.
+    // Reads the nodes. Throws for what is damaged, and for trees in NDC.
     explicit PlenoctreeFile(const std::filesystem::path& path);
+    // Reads the numbers of the leaves, which most time goes to: meanwhile another thread may walk over the nodes.
+    // Throws for what is damaged or of a format that is not read.
+    void read_numbers();
 
     const std::string& name() const { return name_; }
     uint64_t nodes() const { return child_.side(0); }
-    const PlenoctreeFormat& format() const { return format_; }
     const PlenoctreeBox& box() const { return box_; }
 
     // From a cell's node to the node below the cell; 0: the cell is a leaf. Not checked.
     int32_t child(uint64_t cell) const { return child_.at<int32_t>(cell); }
+
+    // What follows needs the numbers.
+    const PlenoctreeFormat& format() const { return format_; }
     // As it is stored: negative and infinite ones, too. Throws for NaN.
     float sigma(uint64_t cell) const;
     // Writes the 3 · format().numbers numbers of a leaf. Throws where one is not finite, or beyond all use.
@@ -60,13 +65,14 @@ class PlenoctreeFile {
     static std::string place(const char* array, uint64_t cell);
 
   private:
-    void read_whole(const NpzReader& npz);
-    void read_quantised(const NpzReader& npz);
+    void read_whole();
+    void read_quantised();
     void expect_cells(const PlenoctreeArray& array, const char* array_name, const char* type, uint64_t before,
                       uint64_t behind) const;
     float quantised_number(uint64_t cell, uint64_t channel, uint64_t i) const;
 
     std::string name_;
+    NpzReader npz_;
     PlenoctreeBox box_;
     PlenoctreeFormat format_;
     PlenoctreeArray child_;

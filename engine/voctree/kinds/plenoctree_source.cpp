@@ -2,8 +2,6 @@
 
 #include <tuple>
 
-#include "voctree/files/occupied_box.h"
-
 namespace neuvv::voctree {
 
 namespace {
@@ -24,9 +22,8 @@ class PlenoctreeSource : public ClipSource {
         return read_plenoctree(segment.file, colours, up_);
     }
     Box box(const ClipSegment& segment) const override {
-        const VOctree tree = read_plenoctree(segment.file, PlenoctreeColours::kAsStored, up_);
-        const auto [low, high] = occupied_box(tree);
-        return {low, high, tree.leaf_count > 0};
+        const auto [low, high] = read_plenoctree_leaf_box(segment.file, up_);
+        return {low, high, true};
     }
 
   private:
