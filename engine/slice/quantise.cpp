@@ -125,7 +125,7 @@ Slice values_of(const stream::QuantisedSlice& slice, glm::vec3 box_min, glm::vec
         for (size_t i = begin; i < end; ++i) {
             Leaf& leaf = values.leaves[i];
             leaf = {slice.leaves[i].cell, slice.leaves[i].depth, 0, colours_of(slice, i), 0};
-            leaf.sigma = optical_depth_of(slice.planes[stream::kOpacityPlane][i]) / values.edge_m(leaf);
+            leaf.sigma = sigma_of(slice.planes[stream::kOpacityPlane][i], values.edge_m(leaf));
             leaf.shown = values.shown_alone(leaf);
         }
     });

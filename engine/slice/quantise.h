@@ -22,6 +22,10 @@ Slice values_of(const stream::QuantisedSlice& slice, glm::vec3 box_min, glm::vec
 
 // What single numbers stand for. The optical depth along the edge of a leaf, by its opacity, 0 to stream::kUnit:
 float optical_depth_of(int16_t opacity);
+// The density of a leaf whose edge has so many metres, 1/m.
+inline float sigma_of(int16_t opacity, float edge_m) {
+    return optical_depth_of(opacity) / edge_m;
+}
 
 // By twice the sRGB of a channel's mean colour, in units of 1 / stream::kUnit, as that may have halves: the coefficient
 // k_00 in linear light, and how much one unit of a harmonic's plane is of its coefficient k_lm, by degree l.

@@ -50,6 +50,39 @@ TEST_F(SliceUploadTest, HoldsEveryLeafWithOpacityWhereAWalkFindsIt) {
     }
 }
 
+// Two words of two numbers each; halves of one sign are in the order of their bits.
+int32_t half_steps_between(glm::uvec2 a, glm::uvec2 b) {
+    int32_t worst = 0;
+    for (int word = 0; word < 2; ++word)
+        for (const int shift : {0, 16}) {
+            const auto bits_a = static_cast<int32_t>(a[word] >> shift & 0xffff),
+                       bits_b = static_cast<int32_t>(b[word] >> shift & 0xffff);
+            worst = std::max(worst, std::abs(bits_a - bits_b));
+        }
+    return worst;
+}
+
+TEST_F(SliceUploadTest, TheDeviceMakesTheEntriesOfTheHost) {
+    for (uint32_t degree = 0; degree <= stream::kMaxDegree; ++degree)
+        for (const uint32_t leaves : {2u, 699u}) {
+            const stream::QuantisedSlice slice = slice_with_holes(degree + 5, 9, leaves, degree);
+            std::array<HostTree, 2> trees;
+            for (const render::Dequantiser by : {render::Dequantiser::kHost, render::Dequantiser::kDevice}) {
+                const render::Field field = render::upload_slice(device(), slice, kBoxMin, kBoxSize, by);
+                trees[by == render::Dequantiser::kDevice] = download_tree(device(), field, *field.slice);
+            }
+            EXPECT_EQ(trees[0].leaves, trees[1].leaves);
+            EXPECT_EQ(trees[0].nodes, trees[1].nodes);
+            ASSERT_EQ(trees[0].entries.size(), trees[1].entries.size());
+            for (size_t i = 0; i < trees[0].entries.size(); ++i) {
+                if (trees[0].leaves[i / sh_count(degree)] == kNoLeaf)
+                    ASSERT_EQ(trees[0].entries[i], trees[1].entries[i]) << "node's entry " << i;
+                else
+                    ASSERT_LE(half_steps_between(trees[0].entries[i], trees[1].entries[i]), 1) << "entry " << i;
+            }
+        }
+}
+
 // The shape of both fields is the same, where all leaves have opacity.
 TEST_F(SliceUploadTest, HasTheShapeOfTheTree) {
     for (const uint32_t odd : {0u, 1u}) {
@@ -114,14 +147,16 @@ TEST_F(SliceUploadTest, MayBeEmpty) {
                 std::ranges::fill(one.planes[stream::kOpacityPlane], int16_t{0});
                 return one;
             }();
-        const render::Field field = render::upload_slice(device(), slice, kBoxMin, kBoxSize);
-        EXPECT_EQ(field.node_count(), 1u);
-        render::FrameRenderer renderer(device(), field, {16, 16, 1});
-        render::FrameSettings settings;
-        settings.width = settings.height = 16;
-        settings.instances = {{}};
-        const media::Image image = renderer.render(look_at({2, 2, 2}, {0, 0.5, 0}, 16, 16, 1), settings);
-        for (size_t i = 3; i < image.rgba.size(); i += 4) EXPECT_EQ(image.rgba[i], 0);
+        for (const render::Dequantiser by : {render::Dequantiser::kHost, render::Dequantiser::kDevice}) {
+            const render::Field field = render::upload_slice(device(), slice, kBoxMin, kBoxSize, by);
+            EXPECT_EQ(field.node_count(), 1u);
+            render::FrameRenderer renderer(device(), field, {16, 16, 1});
+            render::FrameSettings settings;
+            settings.width = settings.height = 16;
+            settings.instances = {{}};
+            const media::Image image = renderer.render(look_at({2, 2, 2}, {0, 0.5, 0}, 16, 16, 1), settings);
+            for (size_t i = 3; i < image.rgba.size(); i += 4) EXPECT_EQ(image.rgba[i], 0);
+        }
     }
 }
 

@@ -24,7 +24,8 @@ struct StreamOptions : BenchOptions {
 
 // Milliseconds of all cores together.
 struct StreamTimes {
-    std::vector<double> decode, upload;            // the straight path
+    std::vector<double> decode, upload;            // the straight path, with the host's entries,
+    std::vector<double> upload_raw;                // and with those of the device
     std::vector<double> tree, upload_tree, slice;  // by weights, after the same decoding
     std::vector<double> leaves, device_bytes;
 };
@@ -50,8 +51,12 @@ void measure_frame(const gpu::Device& device, const voctree::ClipSegment& frame,
     const auto& read = std::get<voctree::FrameSlice>(content);
     const uint64_t before = device.buffer_bytes();
     render::Field field;
-    times.upload.push_back(
-        core_ms_of([&] { field = render::upload_slice(device, *read.slice, read.box_min, read.box_size); }));
+    const auto upload = [&](render::Dequantiser by) {
+        return core_ms_of([&] { field = render::upload_slice(device, *read.slice, read.box_min, read.box_size, by); });
+    };
+    times.upload_raw.push_back(upload(render::Dequantiser::kDevice));
+    field = {};
+    times.upload.push_back(upload(render::Dequantiser::kHost));
     times.device_bytes.push_back(static_cast<double>(device.buffer_bytes() - before));
     times.leaves.push_back(static_cast<double>(read.slice->leaves.size()));
     voctree::VOctree tree;
@@ -81,11 +86,13 @@ void run_stream(const StreamOptions& options, const tools::CommonOptions& common
     const gpu::Device device(common.device);
     const StreamTimes times = measure(device, clip, options);
     expect_not_stopped();
-    const double decode = median(times.decode), straight = decode + median(times.upload);
+    const bool by_device = render::usual_dequantiser(device) == render::Dequantiser::kDevice;
+    const double decode = median(times.decode), straight = decode + median(by_device ? times.upload_raw : times.upload);
     const double by_tree = decode + median(times.tree) + median(times.upload_tree) + median(times.slice);
     const nlohmann::ordered_json json = {{"leaves", median(times.leaves)},
                                          {"decode_ms", decode},
                                          {"upload_ms", median(times.upload)},
+                                         {"upload_raw_ms", median(times.upload_raw)},
                                          {"straight_ms", straight},
                                          {"tree_ms", median(times.tree)},
                                          {"upload_tree_ms", median(times.upload_tree)},
@@ -101,7 +108,8 @@ void run_stream(const StreamOptions& options, const tools::CommonOptions& common
                    tools::size_text(static_cast<uint64_t>(median(times.device_bytes))));
         fmt::print("{:<44} {:>9} {:>9}  ms of one core\n", "", "p50", "p99");
         line("bytes to slice", times.decode);
-        line("slice to device", times.upload);
+        line("slice to device, entries by the host", times.upload);
+        line("slice to device, entries by the device", times.upload_raw);
         line("by weights: slice to tree", times.tree);
         line("by weights: tree to device", times.upload_tree);
         line("by weights: slice on the device", times.slice);

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/seconds.h"
+#include "render/volume/slices/slice_upload.h"
 #include "stream/transport/byte_source.h"
 
 namespace neuvv::render {

@@ -67,8 +67,8 @@ SolidLeaves::SolidLeaves(const stream::QuantisedSlice& slice, glm::vec3 box_min,
     const std::vector<LeafPosition> positions = leaf_positions(slice);
     std::tie(all_low_, all_high_) = occupied_box(positions, box_min, box_size);
     add(positions, box_min, box_size, [&](size_t leaf) {
-        weights_.push_back(slice::optical_depth_of(slice.planes[stream::kOpacityPlane][leaf]) /
-                           slice::edge_m(box_size, positions[leaf].depth));
+        weights_.push_back(
+            slice::sigma_of(slice.planes[stream::kOpacityPlane][leaf], slice::edge_m(box_size, positions[leaf].depth)));
     });
 }
 

@@ -26,7 +26,7 @@ class SigmaHalves {
         for (uint32_t d = 1; d <= depth; ++d)
             for (uint32_t opacity = 0; opacity < kOpacities; ++opacity)
                 halves_[d * kOpacities + opacity] = voctree::half_from_float(
-                    slice::optical_depth_of(static_cast<int16_t>(opacity)) / slice::edge_m(box_size, d));
+                    slice::sigma_of(static_cast<int16_t>(opacity), slice::edge_m(box_size, d)));
     }
     uint16_t of(uint32_t depth, int16_t opacity) const {
         return halves_[depth * kOpacities + static_cast<uint32_t>(opacity)];
@@ -150,14 +150,18 @@ void write_entry_leaves(const stream::QuantisedSlice& slice, const SliceLayout& 
             to[layout.entries_before[slice.leaves[i].depth] + layout.entry_of_leaf[i]] = i;
 }
 
-}  // namespace
-
-Field upload_slice(const gpu::Device& device, const stream::QuantisedSlice& slice, glm::vec3 box_min,
-                   glm::vec3 box_size) {
-    const TraceSpan span("upload a slice");
-    gpu::Uploads uploads(device);
+// All but the entries and their leaves.
+struct UploadedShape {
     Field field;
     SliceLayout layout;
+    SliceBuffers built;
+};
+
+UploadedShape upload_shape(gpu::Uploads& uploads, const gpu::Device& device, const stream::QuantisedSlice& slice,
+                           glm::vec3 box_min, glm::vec3 box_size) {
+    UploadedShape shape;
+    Field& field = shape.field;
+    SliceLayout& layout = shape.layout;
     field.leaf_positions = uploads.add_written(
         "leaf positions", sizeof(glm::uvec2) * slice.leaves.size(), VK_FORMAT_R32G32_UINT, [&](void* to) {
             layout = slice_layout(slice, {static_cast<glm::uvec2*>(to), slice.leaves.size()});
@@ -171,17 +175,40 @@ Field upload_slice(const gpu::Device& device, const stream::QuantisedSlice& slic
     field.links = uploads.add_copied("tree links", layout.top.cells, VK_FORMAT_R32_UINT);
     field.node_cells = uploads.add_copied("node cells", layout.inner_cells, VK_FORMAT_R32G32_UINT);
     field.node_positions = uploads.add_copied("node positions", layout.node_positions, VK_FORMAT_R32G32_UINT);
-    const uint64_t entry_bytes = sizeof(glm::uvec2) * sh_count(slice.degree);
-    SliceBuffers built{
-        uploads.add_copied("slice nodes", layout.nodes, VK_FORMAT_R32G32B32A32_UINT),
-        uploads.add_written("slice entries", entry_bytes * layout.entries, VK_FORMAT_R32G32_UINT,
-                            [&](void* to) { write_entries(slice, layout, box_size, static_cast<glm::uvec2*>(to)); }),
-        uploads.add_written("leaves of entries", sizeof(uint32_t) * layout.entries, VK_FORMAT_R32_UINT,
-                            [&](void* to) { write_entry_leaves(slice, layout, static_cast<uint32_t*>(to)); }),
-        uploads.add_copied("counts of entries", counts, VK_FORMAT_UNDEFINED)};
+    shape.built.nodes = uploads.add_copied("slice nodes", layout.nodes, VK_FORMAT_R32G32B32A32_UINT);
+    shape.built.counts = uploads.add_copied("counts of entries", counts, VK_FORMAT_UNDEFINED);
+    return shape;
+}
+
+}  // namespace
+
+Field upload_slice(const gpu::Device& device, const stream::QuantisedSlice& slice, glm::vec3 box_min,
+                   glm::vec3 box_size, std::optional<Dequantiser> by) {
+    const TraceSpan span("upload a slice");
+    gpu::Uploads uploads(device);
+    UploadedShape shape = upload_shape(uploads, device, slice, box_min, box_size);
+    Field& field = shape.field;
+    const SliceLayout& layout = shape.layout;
+    SliceBuffers& built = shape.built;
+    const uint64_t entry_bytes = sizeof(glm::uvec2) * sh_count(slice.degree) * layout.entries,
+                   leaf_bytes = sizeof(uint32_t) * layout.entries;
+    constexpr const char *kEntries = "slice entries", *kLeaves = "leaves of entries";
+    if (by.value_or(usual_dequantiser(device)) == Dequantiser::kDevice) {
+        built.entries = gpu::Buffer(device, kEntries, entry_bytes, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT);
+        built.entry_leaf = gpu::Buffer(device, kLeaves, leaf_bytes, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
+        uploads.finish();
+        dequantise(device, slice, layout, box_size, field.leaf_positions, built);
+    } else {
+        built.entries = uploads.add_written(kEntries, entry_bytes, VK_FORMAT_R32G32_UINT, [&](void* to) {
+            write_entries(slice, layout, box_size, static_cast<glm::uvec2*>(to));
+        });
+        built.entry_leaf = uploads.add_written(kLeaves, leaf_bytes, VK_FORMAT_R32_UINT, [&](void* to) {
+            write_entry_leaves(slice, layout, static_cast<uint32_t*>(to));
+        });
+        uploads.finish();
+    }
     field.slice = std::make_shared<const SliceTrees>(std::move(built), field.node_count(), layout.entries);
-    uploads.finish();
-    return field;
+    return std::move(shape.field);
 }
 
 }  // namespace neuvv::render

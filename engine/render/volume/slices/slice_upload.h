@@ -1,9 +1,10 @@
 // The straight path: the slice of a stream's frame goes to the device as the slice tree that rays walk. There are no
-// weights, and no passes that slice.
+// weights, and no passes over leaves that do not live.
 #pragma once
 
-#include "render/volume/slices/slice_tree.h"
-#include "stream/codec/quantised_slice.h"
+#include <optional>
+
+#include "render/volume/slices/dequantise.h"
 
 namespace neuvv::render {
 
@@ -14,8 +15,9 @@ constexpr uint64_t slice_bytes_per_leaf(uint32_t degree) {
 
 // The slice, as a decoder returns it, in a box in metres: a field of one frame with Field::slice and without weights.
 // It can be drawn and picked in, but neither painted, nor drawn by the direct path. Leaves without opacity are left
-// out. Throws RuntimeFailure where the device lacks memory or a limit is exceeded.
+// out. `by`: what makes the entries; the usual one without. Throws RuntimeFailure where the device lacks memory or a
+// limit is exceeded.
 Field upload_slice(const gpu::Device& device, const stream::QuantisedSlice& slice, glm::vec3 box_min,
-                   glm::vec3 box_size);
+                   glm::vec3 box_size, std::optional<Dequantiser> by = {});
 
 }  // namespace neuvv::render
