@@ -1,11 +1,13 @@
 // Images in memory, and as PNG and JPEG files. They are 8-bit, sRGB-encoded, with straight alpha, as image files are.
-// Inside the engine light is linear and premultiplied; the transfer function for the conversion is here.
+// Inside the engine light is linear and premultiplied; srgb.h has the transfer function for the conversion.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <memory_resource>
 #include <vector>
+
+#include "media/srgb.h"  // IWYU pragma: export
 
 namespace neuvv::media {
 
@@ -21,12 +23,6 @@ struct Image {
     uint8_t* at(uint32_t x, uint32_t y) { return &rgba[(size_t{y} * width + x) * 4]; }
     const uint8_t* at(uint32_t x, uint32_t y) const { return &rgba[(size_t{y} * width + x) * 4]; }
 };
-
-// The sRGB transfer function (IEC 61966-2-1) and its inverse, on values in [0,1].
-double srgb_from_linear(double linear);
-double linear_from_srgb(double srgb);
-float linear_from_srgb_byte(uint8_t srgb);    // by table
-uint8_t srgb_byte_from_linear(float linear);  // clamped to [0,1], rounded to nearest; by table
 
 constexpr uint32_t kMaxImageSide = 16384;
 

@@ -23,10 +23,6 @@ float Slice::opacity(const Leaf& leaf) const {
     return leaf.sigma > 0 ? 1 - std::exp(-optical_depth(leaf)) : 0;
 }
 
-float edge_m(glm::vec3 box_size, uint32_t depth) {
-    return (box_size.x + box_size.y + box_size.z) / 3 / static_cast<float>(1u << depth);
-}
-
 uint32_t finest_depth(const Slice& slice) {
     uint32_t finest = 1;
     for (const Leaf& leaf : slice.leaves) finest = std::max(finest, leaf.depth);

@@ -41,7 +41,9 @@ struct Slice {
 };
 
 // The mean of the three edges of a cell of this octree depth, metres. `box_size`: of the root, metres.
-float edge_m(glm::vec3 box_size, uint32_t depth);
+inline float edge_m(glm::vec3 box_size, uint32_t depth) {
+    return (box_size.x + box_size.y + box_size.z) / 3 / static_cast<float>(1u << depth);
+}
 
 // The depth of its finest leaves; 1 where there are none.
 uint32_t finest_depth(const Slice& slice);

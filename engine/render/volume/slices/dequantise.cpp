@@ -5,7 +5,7 @@
 #include "gpu/commands.h"
 #include "gpu/host_copies.h"
 #include "shared/dequantise.h"
-#include "slice/quantise.h"
+#include "slice/curves.h"
 
 #include "spirv/dequantise.comp.h"
 
@@ -13,17 +13,15 @@ namespace neuvv::render {
 
 namespace {
 
-static_assert(kMeanCount == slice::kColourHalves && kOpacityCount == stream::kUnit + 1);
+static_assert(kMeanCount == slice::kColourHalves && kOpacityCount == slice::kOpacities &&
+              kTableSigma == kMeanCount * (kMaxHhDegree + 2) && stream::kOpacityPlane == 0 &&
+              stream::kFirstColourPlane == 1);
 
 std::vector<float> tables_of(uint32_t depth, glm::vec3 box_size) {
     const slice::ColourCurves& curves = slice::colour_curves();
     std::vector<float> tables(curves.constant.begin(), curves.constant.end());
     for (const auto& per_unit : curves.per_unit) tables.insert(tables.end(), per_unit.begin(), per_unit.end());
-    tables.resize(kTableSigma + size_t{depth + 1} * kOpacityCount);
-    for (uint32_t d = 1; d <= depth; ++d)
-        for (uint32_t opacity = 0; opacity < kOpacityCount; ++opacity)
-            tables[kTableSigma + d * kOpacityCount + opacity] =
-                std::min(slice::sigma_of(static_cast<int16_t>(opacity), slice::edge_m(box_size, d)), kMaxEntryNumber);
+    for (const float sigma : slice::sigmas_of(depth, box_size)) tables.push_back(std::min(sigma, kMaxEntryNumber));
     return tables;
 }
 
@@ -52,7 +50,7 @@ void dequantise(const gpu::Device& device, const stream::QuantisedSlice& slice, 
             for (uint32_t i = 0; i < leaves; ++i) {
                 const uint32_t entry = layout.entry_of_leaf[i];
                 static_cast<uint32_t*>(words)[i] =
-                    entry == kNoLeaf ? kNoLeaf : layout.entries_before[slice.leaves[i].depth] + entry;
+                    entry == kNoLeaf ? kNoLeaf : layout.entry_of(slice.leaves[i].depth, entry);
             }
         });
     static_assert(sizeof(SliceLayout::NodeEntry) == sizeof(glm::uvec2));

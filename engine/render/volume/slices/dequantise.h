@@ -9,13 +9,12 @@ namespace neuvv::render {
 // Where a slice's numbers become σ and SH coefficients in fp16: both ways give the same, up to how fp16 is rounded.
 enum class Dequantiser { kHost, kDevice };
 
-// Of 500,000 leaves of degree 1 the host takes 9 ms of a core, and a device that is the host's own processor takes 25,
-// so there it is the host. A graphics card reads and writes 37 MB for them, which is 0.1 ms, and gets 3 MB less over
-// the bus: counted, and not measured yet. Other devices share the host's memory, and keep to the host.
+// The device where it is a graphics card with memory of its own, which does it in a fraction of the host's time; others
+// share the host's memory, or are the host's own processor (`neuvv-bench stream` measures both).
 Dequantiser usual_dequantiser(const gpu::Device& device);
 
 // Writes the entries, and the leaves of entries, of a slice. `to` has room for those of the layout, and
-// `leaf_positions` are on the device. Waits for the device; to be called by threads that do not draw. Throws
+// `leaf_positions` are on the device. Waits for the device, whose main queue it uses. Throws
 // RuntimeFailure where the device lacks memory or dispatches fewer threads.
 void dequantise(const gpu::Device& device, const stream::QuantisedSlice& slice, const SliceLayout& layout,
                 glm::vec3 box_size, const gpu::Buffer& leaf_positions, const SliceBuffers& to);

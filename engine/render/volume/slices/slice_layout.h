@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "render/volume/slices/walk_tree.h"
+#include "render/volume/slices/walk_shape.h"
 #include "shared/slice_tree.h"
 #include "stream/codec/quantised_slice.h"
 
@@ -20,6 +20,8 @@ struct SliceLayout : WalkShape {
     std::vector<uint32_t> entry_of_leaf;   // from the first entry of its level on; kNoLeaf: it has none
     std::vector<uint32_t> entries_before;  // by a leaf's depth in the slice: the first entry of its level
     uint32_t entries = 0;                  // of all leaves and nodes
+    // Of a leaf that has one: `of_level` is its entry_of_leaf.
+    uint32_t entry_of(uint32_t depth, uint32_t of_level) const { return entries_before[depth] + of_level; }
 };
 
 // The leaves must be in order, at depths from 1 to the slice's. `positions` receives for each leaf of the slice (x | y

@@ -1,5 +1,5 @@
 // The straight path: the slice of a stream's frame goes to the device as the slice tree that rays walk. There are no
-// weights, and no passes over leaves that do not live.
+// weights, and nothing is sliced.
 #pragma once
 
 #include <optional>
