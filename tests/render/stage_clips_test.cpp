@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <thread>
@@ -444,6 +445,9 @@ TEST_F(StageClipsTest, AStreamPlaysFrameByFrame) {
         EXPECT_LE(follower.clips.fields().size(), render::kMostStreamFrames);
     }
     EXPECT_EQ(follower.clips.problems().size(), 0u);
+    EXPECT_FALSE(follower.field_of(0)) << "the first frame goes, as others do";
+    const auto fields = follower.clips.fields();
+    EXPECT_EQ(std::ranges::count(fields, &follower.clips.clips()[0].first->field), 1) << "it is one that is there";
     render::StageRenderer renderer(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});
     EXPECT_NE(image_at(renderer, *stage, 0).rgba, image_at(renderer, *stage, 7 * frame_s).rgba);
 }

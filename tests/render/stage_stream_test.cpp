@@ -1,6 +1,7 @@
 // Streams from a slow server on a stage: what comes in time is shown, and the rest when the clock stands.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -62,6 +63,18 @@ TEST_F(StageStreamTest, WhatComesInTimeIsShownUntilTheClockStands) {
     ASSERT_TRUE(frames[2].loaded);
     EXPECT_EQ(clips.places_of(at_2.performers[0])[0].field, &frames[2].loaded->field);
     EXPECT_TRUE(clips.problems().empty());
+}
+
+TEST_F(StageStreamTest, AnEditFindsWhatCameInTime) {
+    render::StageLoader loader(device());
+    render::StageClips clips(loader.load(*stage));
+    const auto& frames = clips.clips()[0].segments;
+    uint32_t asked = 0;
+    ASSERT_TRUE(follow(
+        clips, [&] { return (asked++ / 20 % kFrames) / 25.0; }, [&] { return frames[2].coarse && !frames[2].loaded; }));
+    render::StageClips edited(loader.load(*stage));
+    EXPECT_EQ(edited.clips()[0].segments[2].coarse, frames[2].coarse);
+    EXPECT_EQ(std::ranges::count(edited.fields(), &frames[2].coarse->field), 1);
 }
 
 // A frame is shown for a 25th of a second, and here comes after one: those of which the time is over by then are not

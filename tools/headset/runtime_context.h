@@ -46,7 +46,7 @@ struct RuntimeContext {
     gpu::Device device;
     ValidationPrinter validation{device};
     // All clips that were ever on the stage, so that undoing a deletion reads no file between two frames. Of segmented
-    // clips, it is the first segment.
+    // clips it is one segment, of streams one frame, from which performers go on.
     std::map<std::filesystem::path, std::shared_ptr<const render::Field>> clips;
     std::unique_ptr<render::StageLoader> loader;
     std::unique_ptr<render::ClipPreload> preload;     // of the clip of a new performer

@@ -297,8 +297,12 @@ class PlayingRenderer {
 // Draws the images of a plan by the paper's walk. It has one field, so that segments do not fade into each other.
 class DirectRenderer {
   public:
-    DirectRenderer(const gpu::Device& device, const RenderPlan& plan)
+    // Frees plan.content once it is on the device.
+    DirectRenderer(const gpu::Device& device, RenderPlan& plan)
         : device_(device), plan_(plan), segments_(plan.clip, [&](const voctree::ClipSegment& segment, uint32_t) {
+              if (const auto content = std::exchange(plan.content, nullptr))
+                  return render::upload_field(device, std::get<voctree::VOctree>(*content),
+                                              render::WeightPrecision::kHalf);
               // A frame of a stream, too, has weights for it.
               return render::upload_field(device, voctree::read_shown_segment(segment), render::WeightPrecision::kHalf);
           }) {}

@@ -21,9 +21,9 @@ ClipFiles::~ClipFiles() {
     for (std::thread& thread : threads_) thread.join();
 }
 
-std::shared_ptr<const LoadedClip> ClipFiles::find_locked(const std::filesystem::path& path,
-                                                         const FileStamp& stamp) const {
-    for (const auto& one : known_)
+std::shared_ptr<const LoadedClip> ClipFiles::find_in(const Known& known, const std::filesystem::path& path,
+                                                     const FileStamp& stamp) {
+    for (const auto& one : known)
         if (const auto clip = one.lock(); clip && clip->path == path && clip->stamp == stamp) return clip;
     return nullptr;
 }
@@ -31,7 +31,13 @@ std::shared_ptr<const LoadedClip> ClipFiles::find_locked(const std::filesystem::
 std::shared_ptr<const LoadedClip> ClipFiles::find(const voctree::ClipSegment& segment) {
     const FileStamp stamp = segment.source->stamp(segment);
     const std::lock_guard lock(mutex_);
-    return find_locked(segment.file, stamp);
+    return find_in(known_, segment.file, stamp);
+}
+
+std::shared_ptr<const LoadedClip> ClipFiles::find_parts(const voctree::ClipSegment& segment) {
+    const FileStamp stamp = segment.source->stamp(segment);
+    const std::lock_guard lock(mutex_);
+    return find_in(known_parts_, segment.file, stamp);
 }
 
 // A file is read by one thread at a time; others wait, and then find it. Returns it where it is known; else the caller
@@ -40,7 +46,7 @@ std::shared_ptr<const LoadedClip> ClipFiles::begin_reading(const voctree::ClipSe
                                                            const FileStamp& stamp) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return !being_read_.contains(segment.file); });
-    if (auto known = find_locked(segment.file, stamp)) return known;
+    if (auto known = find_in(known_, segment.file, stamp)) return known;
     being_read_.emplace(segment.file, segment.source);
     return nullptr;
 }
@@ -194,7 +200,13 @@ bool ClipFiles::read_in_time(const voctree::ClipSegment& segment, double asked_s
     }
     try {
         const TraceSpan span("read a part of frame", segment.first);
-        add_result({segment.file, stamp, load(segment, stamp, last, asked_s), "", true, {}});
+        const std::shared_ptr<const LoadedClip> parts = load(segment, stamp, last, asked_s);
+        {
+            const std::lock_guard lock(mutex_);
+            std::erase_if(known_parts_, [](const auto& one) { return one.expired(); });
+            known_parts_.push_back(parts);
+        }
+        add_result({segment.file, stamp, parts, "", true, {}});
     } catch (...) {
         end_reading(segment, nullptr);
         throw;

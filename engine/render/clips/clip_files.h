@@ -40,9 +40,11 @@ class ClipFiles {
     // The segment, if it is on the device and in use, also as a part of another clip, and its file has not changed
     // since; else null. A clip that is one file is a segment, too.
     std::shared_ptr<const LoadedClip> find(const voctree::ClipSegment& segment);
-    // The same, read now where it is not there. Where the device has no memory, it waits up to a second for the files
-    // that others are reading, and tries once more. Throws InputError where upload_segment does, RuntimeFailure where
-    // there still is no memory.
+    // Of a frame of a stream, the parts of it that came in time, where these are on the device and in use; else null.
+    std::shared_ptr<const LoadedClip> find_parts(const voctree::ClipSegment& segment);
+    // The same as find(), read now where it is not there. Where the device has no memory, it waits up to a second for
+    // the files that others are reading, and tries once more. Throws InputError where upload_segment does,
+    // RuntimeFailure where there still is no memory.
     std::shared_ptr<const LoadedClip> read(const voctree::ClipSegment& segment);
 
     // The paint of a segment that is on the device, for each of these lists of layers. What was read before is read
@@ -81,7 +83,6 @@ class ClipFiles {
   private:
     std::shared_ptr<const SegmentPaint> read_paint(const voctree::ClipSegment& segment, const LoadedClip& clip,
                                                    const LayerFolders& of_clip);
-    std::shared_ptr<const LoadedClip> find_locked(const std::filesystem::path& path, const FileStamp& stamp) const;
     std::shared_ptr<const LoadedClip> begin_reading(const voctree::ClipSegment& segment, const FileStamp& stamp);
     void end_reading(const voctree::ClipSegment& segment, const std::shared_ptr<const LoadedClip>& whole);
     std::shared_ptr<const LoadedClip> load(const voctree::ClipSegment& segment, const FileStamp& stamp,
@@ -102,7 +103,10 @@ class ClipFiles {
     const SolidParts solid_;
     std::mutex mutex_;  // guards all that follows
     std::condition_variable changed_;
-    std::vector<std::weak_ptr<const LoadedClip>> known_;  // all that are in use
+    using Known = std::vector<std::weak_ptr<const LoadedClip>>;
+    static std::shared_ptr<const LoadedClip> find_in(const Known& known, const std::filesystem::path& path,
+                                                     const FileStamp& stamp);
+    Known known_, known_parts_;  // all that are in use
     struct KnownPaint {
         std::filesystem::path segment;
         FileStamp stamp;  // of the segment

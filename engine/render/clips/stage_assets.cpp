@@ -43,8 +43,8 @@ const StageLoader::KnownHeader& StageLoader::header_of(const voctree::ClipSegmen
     return headers_[segment.file] = header;
 }
 
-// Those that are on the device, for an earlier version of the stage, are found; where there is none, the first readable
-// one is read.
+// What is on the device, for an earlier version of the stage, is found; where there is nothing, the first readable one
+// is read.
 void StageLoader::load_segments(ClipOnDevice& clip, std::vector<Note>& problems) {
     for (const voctree::ClipSegment& segment : clip.index.segments) {
         ClipOnDevice::Segment& one = clip.segments.emplace_back();
@@ -52,10 +52,11 @@ void StageLoader::load_segments(ClipOnDevice& clip, std::vector<Note>& problems)
         Note problem = header.problem;
         try {
             if (problem.empty()) one.loaded = files_->find(segment);
+            if (problem.empty() && !one.loaded) one.coarse = files_->find_parts(segment);
         } catch (const InputError& error) {
             problem = Note(error);
         }
-        if (!clip.first) clip.first = one.loaded;
+        if (!clip.first) clip.first = one.loaded ? one.loaded : one.coarse;
         one.readable = problem.empty();
         if (!one.readable) problems.push_back(problem);
         if (!one.readable || !header.box) continue;

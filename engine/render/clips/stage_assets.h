@@ -26,7 +26,7 @@ struct ClipOnDevice {
     };
     voctree::ClipIndex index;
     std::vector<Segment> segments;  // in the order of the index
-    // The first that is readable, which stays on the device; of a stream, a frame that is there.
+    // One that is there: of files, the first that could be read, which stays on the device; of a stream, any frame.
     std::shared_ptr<const LoadedClip> first;
     std::pair<glm::dvec3, glm::dvec3> leaf_box{};  // around the leaves of all (min, max), performer's space, metres
     std::vector<LayerFolders> layers{};            // of a segmented clip: what performers are painted with, each once
@@ -63,7 +63,8 @@ class StageLoader {
     // The device must outlive the loader and all that it loads. Layers that `paint` returns are not read from the disk.
     explicit StageLoader(const gpu::Device& device, PaintSource paint = {}, SolidParts solid = SolidParts::kNo);
 
-    // Of a segmented clip, the first segment is read, and of the others their headers alone. Throws InputError for a
+    // Of a segmented clip of which nothing is on the device, the first segment is read, and of the others their headers
+    // alone. Throws InputError for a
     // file that cannot be read, for a segmented clip of which no segment can be, and for paint of another clip;
     // RuntimeFailure where the device has no memory.
     StageAssets load(const stage::Stage& stage, const Loaded& loaded = {});

@@ -51,7 +51,7 @@ StageClips::StageClips(const StageAssets& assets)
         for (uint32_t i = 0; i < segments && segments > 1; ++i) {
             const Id id{clip, i};
             ids_[file_of(id).file].push_back(id);
-            if (at(id).loaded) on_device_.insert(id);
+            if (drawn(at(id))) on_device_.insert(id);
             if (at(id).loaded == clips_[clip].first && !clips_[clip].index.plays_by_frame()) first_.insert(id);
         }
     }
@@ -311,7 +311,7 @@ void StageClips::drop_all_but(const std::set<Id>& kept) {
     for (const Id& id : on_device_) {
         ClipOnDevice& clip = clips_[id.clip];
         if (!clip.index.plays_by_frame()) continue;
-        clip.first = at(id).loaded ? at(id).loaded : at(id).coarse;
+        clip.first = at(id).loaded ? at(id).loaded : at(id).coarse;  // each is drawn, or it would not be on the device
     }
 }
 

@@ -91,6 +91,10 @@ class LeafWalk {
         }
         positions.resize(kept);
         cells.resize(kept);
+        if (kept < positions.capacity() / 2) {  // the most of a large tree may be empty
+            positions.shrink_to_fit();
+            cells.shrink_to_fit();
+        }
         if (kept == 0) throw InputError(file_.name(), "data", "is empty everywhere", "extract the tree anew");
         if (kept > kMaxLeaves)
             throw InputError(file_.name(), "child", fmt::format("has more than {} leaves", kMaxLeaves),

@@ -34,7 +34,7 @@ VOctree read_plenoctree(const std::filesystem::path& path, PlenoctreeColours col
 std::pair<glm::vec3, glm::vec3> read_plenoctree_box(const std::filesystem::path& path, UpAxis up = UpAxis::kZ);
 
 // Reads the box around the leaves that read_plenoctree reads: its corners, in metres. It takes half as long, because
-// colours are not decoded, and throws for what is damaged but colours.
+// colours are not decoded, and does not throw where a single one of them is no number.
 std::pair<glm::dvec3, glm::dvec3> read_plenoctree_leaf_box(const std::filesystem::path& path, UpAxis up = UpAxis::kZ);
 
 }  // namespace neuvv::voctree

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cassert>
 #include <cmath>
 
 #include "base/error.h"
@@ -163,6 +164,7 @@ std::string PlenoctreeFile::place(const char* array, uint64_t cell) {
 }
 
 float PlenoctreeFile::sigma(uint64_t cell) const {
+    assert(row_ > 0);
     const uint64_t at = cell * row_ + row_ - 1;
     const float sigma = quantised_ ? float_from_half(sigma_.at<uint16_t>(cell))
                         : halves_  ? float_from_half(data_.at<uint16_t>(at))
@@ -185,6 +187,7 @@ float PlenoctreeFile::quantised_number(uint64_t cell, uint64_t channel, uint64_t
 }
 
 void PlenoctreeFile::colours(uint64_t cell, float* to) const {
+    assert(row_ > 0);
     const uint64_t count = row_ - 1, first = cell * row_, of_channel = format_.numbers;
     if (quantised_)
         for (uint64_t i = 0; i < count; ++i) to[i] = quantised_number(cell, i / of_channel, i % of_channel);

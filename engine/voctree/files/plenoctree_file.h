@@ -55,7 +55,7 @@ class PlenoctreeFile {
     // From a cell's node to the node below the cell; 0: the cell is a leaf. Not checked.
     int32_t child(uint64_t cell) const { return child_.at<int32_t>(cell); }
 
-    // What follows needs the numbers.
+    // What follows needs the numbers (assert).
     const PlenoctreeFormat& format() const { return format_; }
     // As it is stored: negative and infinite ones, too. Throws for NaN.
     float sigma(uint64_t cell) const;
