@@ -1,6 +1,7 @@
 // Arrays that may have more than 65,536 elements, which is all that some devices bind as a texel buffer. The build
 // compiles shaders that declare such arrays twice: as they are, for texel buffers, and with NEUVV_STORAGE_BUFFERS
-// (engine/gpu/buffer_profile.h). Arrays that are always short are declared as texel buffers without these macros.
+// (engine/gpu/buffer_profile.h). With NEUVV_TEXTURES, arrays that are only read are textures. Arrays that are always
+// short are declared as texel buffers without these macros.
 //   READ_ARRAY(type, binding, name)    an array that the shader only reads
 //   WRITE_ARRAY(type, binding, name)   one that it only writes
 //   UPDATE_ARRAY(type, binding, name)  one that it reads and writes
@@ -44,6 +45,16 @@ void set_element(out uvec4 to, uvec4 value) { to = value; }
 #define LOAD(name, i) element(name[i])
 #define STORE(name, i, value) set_element(name[i], value)
 #define ELEMENTS(name) name.length()
+
+#elif defined(NEUVV_TEXTURES)
+
+// Two-dimensional textures, for OpenGL ES 3.0, which has no other long arrays (tools/web/).
+const int kTextureWidthLog2 = 12;
+#define TEXTURE_uint usampler2D
+#define TEXTURE_uvec2 usampler2D
+#define TEXTURE_uvec4 usampler2D
+#define READ_ARRAY(type, number, name) layout(binding = number) uniform TEXTURE_##type name
+#define FETCH(name, i) texelFetch(name, ivec2((i) & ((1 << kTextureWidthLog2) - 1), (i) >> kTextureWidthLog2), 0)
 
 #else
 
