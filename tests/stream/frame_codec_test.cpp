@@ -8,6 +8,7 @@
 #include <string>
 
 #include "stream/codec/group_decoder.h"
+#include "stream/codec/group_slice.h"
 #include "stream/random_slice.h"
 
 namespace neuvv::test::frame_codec_test {
@@ -204,6 +205,8 @@ TEST(GroupDecoder, DecodesAsTheFunctionsOfCppDo) {
     for (size_t i = 0; i < 2; ++i) {
         EXPECT_EQ(group.decode(frames.bytes[i]), static_cast<int32_t>(frames.decoded[i].leaves.size()));
         group.expect_last(frames.decoded[i]);
+        ASSERT_TRUE(stream::last_slice(group.decoder.get()));
+        EXPECT_EQ(stream::last_slice(group.decoder.get())->planes, frames.decoded[i].planes);
         EXPECT_EQ(group.error(), "");
     }
     OfGroup coarse(frames, format);
@@ -229,6 +232,7 @@ TEST(GroupDecoder, RefusesWhatCannotBe) {
     OfGroup none(damaged, {6, 1, 2000});
     EXPECT_EQ(none.decode(frames.bytes[0]), -1);
     EXPECT_FALSE(neuvv_group_leaves(nullptr));
+    EXPECT_FALSE(stream::last_slice(nullptr));
     EXPECT_FALSE(neuvv_group_plane(nullptr, 0));
     OfGroup group(frames, {6, 1, 2000});
     for (const uint32_t parts : {0u, 6u}) EXPECT_EQ(group.decode(frames.bytes[0], parts), -1);

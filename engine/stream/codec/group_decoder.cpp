@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "stream/codec/frame_decoder.h"
+#include "stream/codec/group_slice.h"
 #include "stream/codec/symbols.h"
 
 static_assert(sizeof(NeuvvLeaf) == sizeof(neuvv::stream::Leaf) &&
@@ -49,6 +50,11 @@ QuantisedSlice decoded_next(const NeuvvGroupDecoder& group, const PartBytes& byt
 }
 
 }  // namespace
+
+const QuantisedSlice* last_slice(const NeuvvGroupDecoder* decoder) {
+    return decoder && decoder->last ? &*decoder->last : nullptr;
+}
+
 }  // namespace neuvv::stream
 
 NeuvvGroupDecoder* neuvv_group_new(const uint8_t* tables, size_t table_bytes, uint32_t depth, uint32_t degree,
