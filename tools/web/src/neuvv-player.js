@@ -1,0 +1,313 @@
+// <neuvv-player src="show.nvs" autoplay loop controls>: plays a stream of a performer, who is seen from all sides.
+import {FrameReader} from './frames.js';
+import {lookAt, Renderer} from './renderer.js';
+
+const kAhead = 4;              // frames that are asked for before they are due
+const kAngle = 0.7;            // from the top to the bottom of the image, radians
+const kTurn = 0.008;           // radians per pixel of a drag
+const kMostTilt = 1.4;         // radians above or below the performer
+const kMostStep = 250;         // milliseconds; a page that was hidden goes on where it was
+const kMostDensity = 2;        // device pixels across and down of a pixel of the page
+
+const kStyle = `
+:host { display: block; position: relative; aspect-ratio: 1; background: #181818; touch-action: none; }
+canvas { width: 100%; height: 100%; display: block; cursor: grab; outline-offset: -2px; }
+.bar { position: absolute; inset: auto 0 0 0; display: flex; gap: .5em; align-items: center; padding: .4em; background: #0008; color: #fff; font: 14px sans-serif; }
+.bar[hidden], .problem:empty { display: none; }
+.bar button { min-width: 2.6em; min-height: 2.2em; background: none; border: 0; color: inherit; cursor: pointer; }
+.bar svg { width: 1.2em; fill: currentColor; vertical-align: middle; }
+.bar input { flex: 1; min-width: 0; }
+.problem { position: absolute; inset: 40% 10% auto; padding: .8em; text-align: center; background: #000c; color: #fff; font: 15px sans-serif; }`;
+
+const kWalk = fetch(new URL('performer.frag', import.meta.url)).then(answer => answer.text());
+kWalk.catch(() => {});  // who waits for it reports it
+
+function minutes(seconds) {
+    return `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, '0')}`;
+}
+
+export class NeuvvPlayer extends HTMLElement {
+    static observedAttributes = ['src', 'controls'];
+    #canvas; #bar; #button; #icon; #line; #clock; #problem;
+    #renderer = null; #reader = null; #opening = 0; #trees = new Map(); #shown = -1; #due = true;
+    #time = 0; #paused = true; #rate = 1; #last = null; #seeking = false; #frameRequest = 0; #sizes;
+    #turn = 0; #tilt = 0.1; #zoom = 1;
+
+    constructor() {
+        super();
+        const root = this.attachShadow({mode: 'open'}), sheet = new CSSStyleSheet();
+        sheet.replaceSync(kStyle);  // which a strict policy for content allows
+        root.adoptedStyleSheets = [sheet];
+        const add = (parent, name, properties = {}) => parent.appendChild(Object.assign(document.createElement(name), properties));
+        this.#canvas = add(root, 'canvas', {tabIndex: 0});
+        this.#canvas.setAttribute('role', 'img');
+        this.#canvas.setAttribute('aria-label', 'performer; arrow keys turn, space plays');
+        this.#problem = add(root, 'div', {className: 'problem'});
+        this.#problem.setAttribute('role', 'alert');
+        this.#bar = add(root, 'div', {className: 'bar', hidden: true});
+        this.#button = add(this.#bar, 'button', {type: 'button', onclick: () => this.#paused ? this.play() : this.pause()});
+        const drawing = (parent, name) => parent.appendChild(document.createElementNS('http://www.w3.org/2000/svg', name));
+        const icon = drawing(this.#button, 'svg');
+        icon.setAttribute('viewBox', '0 0 16 16');
+        this.#icon = drawing(icon, 'path');
+        this.#line = add(this.#bar, 'input', {type: 'range', min: 0, max: 1, step: 'any', value: 0,
+                                              oninput: () => { this.currentTime = Number(this.#line.value); }});
+        this.#line.setAttribute('aria-label', 'time, seconds');
+        this.#clock = add(this.#bar, 'span');
+        this.#sizes = new ResizeObserver(() => this.#due = true);
+        this.#listen();
+        this.#label();
+    }
+
+    get src() { return this.getAttribute('src') ?? ''; }
+    set src(url) { this.setAttribute('src', url); }
+    get paused() { return this.#paused; }
+    get duration() { return this.#reader ? this.#reader.frames.length / this.#reader.fps : NaN; }
+    get playbackRate() { return this.#rate; }
+    set playbackRate(rate) {
+        if (!(rate > 0 && rate <= 16)) throw new RangeError('playbackRate must be above 0 and at most 16');
+        this.#rate = rate;
+        this.dispatchEvent(new Event('ratechange'));
+    }
+    get currentTime() { return this.#time; }
+    set currentTime(seconds) {
+        if (!Number.isFinite(seconds)) throw new TypeError('currentTime must be a number of seconds');
+        this.#time = Math.max(0, Math.min(seconds, this.#end()));
+        this.#seeking = true;
+        this.dispatchEvent(new Event('seeking'));
+    }
+    /** HTMLMediaElement's: 0 nothing, 1 the head is known, 2 the frame of this time is there, 4 those after it, too. */
+    get readyState() {
+        if (!this.#reader) return 0;
+        const frame = this.#frameOf(this.#time);
+        if (!this.#isThere(frame)) return 1;
+        return this.#isThere(Math.min(frame + 1, this.#reader.frames.length - 1)) ? 4 : 2;
+    }
+    get loop() { return this.hasAttribute('loop'); }
+    set loop(on) { this.toggleAttribute('loop', on); }
+
+    play() {
+        if (!this.#paused) return;
+        if (this.#time >= this.#end() && !this.loop) this.#time = 0;
+        this.#paused = false;
+        this.#last = null;
+        this.#label();
+        this.dispatchEvent(new Event('play'));
+    }
+    pause() {
+        if (this.#paused) return;
+        this.#paused = true;
+        this.#label();
+        this.dispatchEvent(new Event('pause'));
+    }
+    /** Goes so many frames on, or back, and pauses. */
+    step(frames = 1) {
+        if (!this.#reader) return;
+        this.pause();
+        this.currentTime = (this.#frameOf(this.#time) + frames + 0.5) / this.#reader.fps;
+    }
+    /** Ends all that runs, and frees what it has; the element shows nothing more. */
+    dispose() {
+        cancelAnimationFrame(this.#frameRequest);
+        this.#close();
+        this.#renderer?.end();
+        this.#renderer = null;
+        this.#sizes.disconnect();
+    }
+
+    connectedCallback() {
+        this.#sizes.observe(this.#canvas);
+        this.#schedule();
+    }
+    disconnectedCallback() {
+        cancelAnimationFrame(this.#frameRequest);
+        this.#last = null;
+    }
+    attributeChangedCallback(name) {
+        if (name === 'controls') this.#bar.hidden = !this.hasAttribute('controls');
+        if (name === 'src') this.#open();
+    }
+
+    async #open() {
+        this.#close();
+        const opening = ++this.#opening;
+        if (!this.src) return;
+        try {
+            this.#renderer ??= new Renderer(this.#canvas, await kWalk);
+            const reader = await FrameReader.open(new URL(this.src, document.baseURI));
+            if (opening !== this.#opening) return reader.end();
+            this.#reader = reader;
+            this.#line.max = this.duration;
+            this.dispatchEvent(new Event('loadedmetadata'));
+            this.dispatchEvent(new Event('durationchange'));
+            if (this.hasAttribute('autoplay')) this.play();
+        } catch (error) {
+            if (opening === this.#opening) this.#fail(error);
+        }
+    }
+    #close() {
+        this.#reader?.end();
+        this.#reader = null;
+        this.#trees.clear();
+        this.#shown = -1;
+        this.#time = 0;
+        this.#problem.textContent = '';
+    }
+    #fail(error) {
+        this.pause();
+        this.error = error;
+        this.#problem.textContent = `${this.src}: ${error.message}`;
+        this.dispatchEvent(new ErrorEvent('error', {error, message: error.message}));
+    }
+
+    #frameOf(seconds) { return Math.min(Math.floor(seconds * this.#reader.fps), this.#reader.frames.length - 1); }
+    // The last time at which the last frame is shown.
+    #end() { return this.#reader ? (this.#reader.frames.length - 0.001) / this.#reader.fps : 0; }
+    #isThere(frame) { return frame === this.#shown || Boolean(this.#trees.get(frame)?.tree); }
+
+    #schedule() {
+        cancelAnimationFrame(this.#frameRequest);
+        this.#frameRequest = requestAnimationFrame(now => {
+            this.#schedule();
+            try {
+                this.#tick(now);
+            } catch (error) {
+                cancelAnimationFrame(this.#frameRequest);
+                this.#fail(error);
+            }
+        });
+    }
+    #tick(now) {
+        if (!this.#renderer) return;
+        if (this.#reader) {
+            this.#advance(now);
+            this.#request();
+            this.#takeFrame();
+        }
+        if (this.#resize() || this.#due) {
+            this.#due = false;
+            this.#renderer.draw(this.#rays());
+        }
+    }
+    // Moves the clock on, but not while its frame is missing.
+    #advance(now) {
+        const passed = Math.min(now - (this.#last ?? now), kMostStep);
+        this.#last = now;
+        if (this.#paused || this.readyState < 2) return;
+        this.#time += passed / 1000 * this.#rate;
+        if (this.#time < this.#end()) return;
+        if (this.loop) {
+            this.#time %= this.duration;
+        } else {
+            this.#time = this.#end();
+            this.pause();
+            this.dispatchEvent(new Event('ended'));
+        }
+    }
+    // Asks for the frame of this time and those after it, and forgets all others.
+    #request() {
+        const count = this.#reader.frames.length, first = this.#frameOf(this.#time), wanted = new Set();
+        for (let i = 0; i <= Math.min(kAhead, count - 1); ++i)
+            if (this.loop || first + i < count) wanted.add((first + i) % count);
+        for (const frame of this.#trees.keys())
+            if (!wanted.has(frame)) this.#trees.delete(frame);
+        const reader = this.#reader;
+        for (const frame of wanted) {
+            if (frame === this.#shown || this.#trees.has(frame)) continue;
+            const one = {tree: null};
+            this.#trees.set(frame, one);
+            reader.tree(frame).then(tree => one.tree = tree,
+                                    error => { if (reader === this.#reader) this.#fail(error); });
+        }
+    }
+    #takeFrame() {
+        const frame = this.#frameOf(this.#time), one = this.#trees.get(frame);
+        if (one?.tree) {
+            this.#renderer.show(one.tree);
+            this.#trees.delete(frame);
+            const isFirst = this.#shown < 0;
+            this.#shown = frame;
+            this.#due = true;
+            if (isFirst) this.dispatchEvent(new Event('loadeddata'));
+        }
+        if (this.#seeking && frame === this.#shown) {
+            this.#seeking = false;
+            this.dispatchEvent(new Event('seeked'));
+        }
+        if (this.#line.value !== String(this.#time)) {
+            this.#line.value = this.#time;
+            this.#clock.textContent = `${minutes(this.#time)} / ${minutes(this.duration)}`;
+            this.dispatchEvent(new Event('timeupdate'));
+        }
+    }
+    #resize() {
+        const density = Math.min(devicePixelRatio, kMostDensity), canvas = this.#canvas;
+        const width = Math.max(1, Math.round(canvas.clientWidth * density)), height = Math.max(1, Math.round(canvas.clientHeight * density));
+        if (canvas.width === width && canvas.height === height) return false;
+        canvas.width = width;
+        canvas.height = height;
+        return true;
+    }
+    // A camera that sees all that is shown, from around its middle.
+    #rays() {
+        const {min, max} = this.#reader?.box ?? {min: [0, 0, 0], max: [1, 1, 1]}, canvas = this.#canvas;
+        const target = min.map((low, axis) => (low + max[axis]) / 2);
+        const radius = Math.hypot(...max.map((high, axis) => high - min[axis])) / 2;
+        const distance = this.#zoom * Math.max(1, canvas.height / canvas.width) * radius / Math.tan(kAngle / 2);
+        const across = Math.cos(this.#tilt) * distance;
+        const eye = [target[0] + Math.sin(this.#turn) * across, target[1] + Math.sin(this.#tilt) * distance,
+                     target[2] + Math.cos(this.#turn) * across];
+        return lookAt(eye, target, kAngle, canvas.width, canvas.height);
+    }
+
+    #orbit(turn, tilt, zoom = 1) {
+        this.#turn += turn;
+        this.#tilt = Math.max(-kMostTilt, Math.min(this.#tilt + tilt, kMostTilt));
+        this.#zoom = Math.max(0.1, Math.min(this.#zoom * zoom, 10));
+        this.#due = true;
+    }
+    #listen() {
+        const canvas = this.#canvas, pointers = new Map();
+        const apart = () => {
+            const [a, b] = [...pointers.values()];
+            return b ? Math.hypot(a.x - b.x, a.y - b.y) : 0;
+        };
+        canvas.addEventListener('pointerdown', event => {
+            canvas.setPointerCapture(event.pointerId);
+            pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
+        });
+        canvas.addEventListener('pointermove', event => {
+            const from = pointers.get(event.pointerId), before = apart();
+            if (!from) return;
+            const [dx, dy] = [event.clientX - from.x, event.clientY - from.y];
+            Object.assign(from, {x: event.clientX, y: event.clientY});
+            if (pointers.size === 1) this.#orbit(-dx * kTurn, dy * kTurn);
+            else if (before > 0 && apart() > 0) this.#orbit(0, 0, before / apart());
+        });
+        for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, event => pointers.delete(event.pointerId));
+        canvas.addEventListener('wheel', event => {
+            event.preventDefault();
+            this.#orbit(0, 0, Math.exp(0.001 * event.deltaY));
+        }, {passive: false});
+        const keys = {ArrowLeft: () => this.#orbit(-0.1, 0), ArrowRight: () => this.#orbit(0.1, 0), ArrowUp: () => this.#orbit(0, 0.1),
+                      ArrowDown: () => this.#orbit(0, -0.1), '+': () => this.#orbit(0, 0, 0.9), '-': () => this.#orbit(0, 0, 1.1),
+                      ' ': () => this.#paused ? this.play() : this.pause(), ',': () => this.step(-1), '.': () => this.step(1)};
+        canvas.addEventListener('webglcontextlost', event => event.preventDefault());  // so that it comes again
+        canvas.addEventListener('webglcontextrestored', () => {
+            this.#renderer?.restore();
+            this.#trees.clear();
+            this.#shown = -1;
+        });
+        canvas.addEventListener('keydown', event => {
+            if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
+            event.preventDefault();
+            keys[event.key]();
+        });
+    }
+    #label() {
+        this.#icon.setAttribute('d', this.#paused ? 'M3 2v12l10-6z' : 'M3 2h4v12H3zM9 2h4v12H9z');
+        this.#button.setAttribute('aria-label', this.#paused ? 'play' : 'pause');
+    }
+}
+
+customElements.define('neuvv-player', NeuvvPlayer);
