@@ -1,0 +1,99 @@
+// What the player shows, in a browser: each view of views.json against the image that NeuVV rendered, and the element.
+import {FrameReader} from '/frames.js';
+import {lookAt, Renderer} from '/renderer.js';
+
+const results = {};
+
+async function pixels(image, width, height) {
+    const context = new OffscreenCanvas(width, height).getContext('2d');
+    context.drawImage(image, 0, 0);
+    return context.getImageData(0, 0, width, height).data;
+}
+
+function psnr(a, b) {
+    let sum = 0;
+    for (let i = 0; i < a.length; ++i)
+        if (i % 4 !== 3) sum += (a[i] - b[i]) ** 2;
+    return 10 * Math.log10(255 ** 2 / Math.max(sum / (0.75 * a.length), 1e-9));
+}
+
+// How long an image takes, with what it has to wait for.
+function millisecondsOf(canvas, draw) {
+    const gl = canvas.getContext('webgl2'), begin = performance.now(), times = 5;
+    for (let i = 0; i < times; ++i) {
+        draw();
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    }
+    return (performance.now() - begin) / times;
+}
+
+async function compareViews({stream, width, height, angle, views}) {
+    const canvas = Object.assign(document.createElement('canvas'), {width, height});
+    const renderer = new Renderer(canvas, await (await fetch('/performer.frag')).text());
+    const reader = await FrameReader.open(new URL(stream, location.href));
+    results.frames = reader.frames.length;
+    results.views = [];
+    for (const {frame, eye, target, image} of views) {
+        const begin = performance.now();
+        const tree = await reader.tree(frame), decoded_ms = performance.now() - begin;
+        renderer.show(tree);
+        const draw = () => renderer.draw(lookAt(eye, target, angle, width, height), [1, 1, 1, 1]);
+        const image_ms = millisecondsOf(canvas, draw);
+        draw();
+        const png = canvas.toDataURL('image/png'), truth = new Image();
+        const shown = await pixels(canvas, width, height);
+        truth.src = image;
+        await truth.decode();
+        results.views.push({psnr_db: psnr(shown, await pixels(truth, width, height)), decoded_ms, image_ms, png});
+    }
+    reader.end();
+    renderer.end();
+}
+
+const event = (player, name) => new Promise(resolve => player.addEventListener(name, resolve, {once: true}));
+
+async function useElement(stream) {
+    await import('/neuvv-player.js');
+    const player = document.createElement('neuvv-player');
+    player.loop = true;
+    document.body.append(player);
+    const loaded = event(player, 'loadeddata');
+    player.src = stream;
+    await loaded;
+    const whole = player.duration;
+    player.step(1);
+    await event(player, 'seeked');
+    const stepped = player.currentTime;
+    const played = event(player, 'timeupdate');
+    player.play();
+    await played;
+    player.pause();
+    const context = player.shadowRoot.querySelector('canvas').getContext('webgl2'), losing = context.getExtension('WEBGL_lose_context');
+    losing.loseContext();
+    await new Promise(resolve => setTimeout(resolve, 100));  // the page hears of it
+    const restored = event(player, 'loadeddata');
+    losing.restoreContext();
+    await restored;
+    const problem = async url => {
+        const failed = event(player, 'error');
+        player.src = url;
+        return (await failed).message;
+    };
+    results.element = {duration: whole, stepped, problems: {}};
+    for (const url of ['/missing.nvs', '/empty.nvs', '/page.nvs', '/damaged.nvs', '/short.nvs', '/whole/stream.nvs'])
+        results.element.problems[url] = await problem(url);
+    const again = event(player, 'loadeddata');
+    player.src = stream;
+    await again;
+    results.element.recovers = player.shadowRoot.querySelector('.problem').textContent === '';
+    player.dispose();
+}
+
+try {
+    const plan = await (await fetch('/work/views.json')).json();
+    await compareViews(plan);
+    await useElement(plan.stream);
+} catch (error) {
+    results.problem = `${error.message}\n${error.stack}`;
+}
+await fetch('/results', {method: 'POST', body: JSON.stringify(results)});
