@@ -116,9 +116,8 @@ void set_shape(Field& field, const WalkShape& shape, glm::vec3 box_size) {
     field.top_levels = shape.top.levels;
     field.levels_above = shape.scale - 1;  // the scale is 1 or 2
     field.level_begin = shape.level_begin;
-    const auto packed = [](glm::uvec3 cell) { return cell.x | cell.y << 10 | cell.z << 20; };
     const auto& [low, last] = shape.top.bounds;
-    field.top_box = {packed(low), packed(last)};
+    field.top_box = top_box(shape.top.bounds);
     const glm::vec3 top_cell = field.box_size / std::exp2(2.0f * static_cast<float>(shape.top.levels));
     field.leaves_min = field.box_min + glm::vec3(low) * top_cell;
     field.leaves_max = field.box_min + glm::vec3(last + 1u) * top_cell;

@@ -5,6 +5,8 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "shared/tree.h"
+
 namespace neuvv::render {
 
 // The first and the last cell, along each axis, of a grid's cells that hold leaves.
@@ -17,6 +19,12 @@ struct CellBounds {
         return size.x * size.y * size.z;
     }
 };
+
+// As shaders have the bounds (shared/tree.h).
+inline TopBox top_box(const CellBounds& bounds) {
+    const auto packed = [](glm::uvec3 cell) { return cell.x | cell.y << 10 | cell.z << 20; };
+    return {packed(bounds.low), packed(bounds.last)};
+}
 
 struct TopGrid {
     uint32_t levels = 0;  // node levels that it replaces
