@@ -16,8 +16,8 @@ const here = path.dirname(fileURLToPath(import.meta.url));
 const [width, height] = size.split('x').map(Number);
 const run = words => execFileSync(neuvv, words, {encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore']});
 const bytes = fs.readFileSync(stream);
-const {headBytes, readHead} = await import(path.resolve(built, 'nvs.js'));
-const head = readHead(bytes.subarray(0, headBytes(bytes)));
+const {crc32, headBytes, readHead} = await import(path.resolve(built, 'nvs.js'));
+const head = readHead(bytes.subarray(0, headBytes(bytes, Infinity)));
 
 // Six cameras around the performer, each at another frame, and what NeuVV renders from there.
 function renderViews() {
@@ -45,7 +45,11 @@ function renderViews() {
 
 const damaged = Buffer.from(bytes);
 damaged[40] ^= 1;
-const kSent = {'/stream.nvs': bytes, '/whole/stream.nvs': bytes, '/empty.nvs': Buffer.alloc(0), '/damaged.nvs': damaged,
+// A head whose group begins elsewhere, with a sound check.
+const elsewhere = Buffer.from(bytes), headEnd = headBytes(bytes, Infinity) - 4;
+elsewhere[32 + 40] ^= 1;
+elsewhere.writeUInt32LE(crc32(elsewhere.subarray(0, headEnd)), headEnd);
+const kSent = {'/elsewhere.nvs': elsewhere, '/stream.nvs': bytes, '/whole/stream.nvs': bytes, '/empty.nvs': Buffer.alloc(0), '/damaged.nvs': damaged,
                '/page.nvs': Buffer.from('<!DOCTYPE html><p>Sign in</p>'), '/short.nvs': bytes.subarray(0, bytes.length - 100)};
 const kTypes = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm', '.json': 'application/json', '.png': 'image/png'};
 const kPolicy = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; worker-src 'self'; img-src 'self'";
@@ -88,15 +92,19 @@ await new Promise(resolve => server.listen(0, '127.0.0.1', resolve));
 const profile = fs.mkdtempSync(path.join(os.tmpdir(), 'neuvv-chromium-'));
 const browser = spawn('chromium', ['--headless=new', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
     '--disable-dev-shm-usage', `--user-data-dir=${profile}`, '--no-first-run', `http://127.0.0.1:${server.address().port}/test/page.html`],
-    {stdio: ['ignore', 'ignore', 'pipe']});
+    {stdio: ['ignore', 'ignore', 'pipe'], detached: true});  // a group of its own, which is ended as a whole
 let log = '';
 browser.stderr.on('data', text => log += text);
+browser.on('exit', code => finish({problem: `chromium ended with ${code}\n${log}`}));
 const timer = setTimeout(() => finish({problem: `nothing came in ${kMost_s} s\n${log}`}), 1000 * kMost_s);
 const results = await finished;
 clearTimeout(timer);
-browser.kill();
-await new Promise(resolve => browser.on('exit', resolve));
-fs.rmSync(profile, {recursive: true, force: true, maxRetries: 5});
+if (browser.exitCode === null) {
+    const exited = new Promise(resolve => browser.on('exit', resolve));
+    process.kill(-browser.pid, 'SIGKILL');
+    await exited;
+}
+await fs.promises.rm(profile, {recursive: true, force: true, maxRetries: 20, retryDelay: 100});  // some may still write
 server.close();
 
 const wrong = [];
@@ -109,10 +117,12 @@ for (const [i, view] of (results.views ?? []).entries()) {
 }
 if (!results.problem) {
     const kProblems = {'/missing.nvs': '404', '/empty.nvs': 'is empty', '/page.nvs': 'a web page', '/damaged.nvs': 'is damaged',
-                       '/short.nvs': 'ends early', '/whole/stream.nvs': 'ranges'};
+                       '/elsewhere.nvs': 'is damaged', '/short.nvs': 'ends early', '/whole/stream.nvs': 'ranges'};
     expect(results.views.length === 6 && results.frames === frames, 'views or frames are missing');
     for (const [url, text] of Object.entries(kProblems))
         expect(results.element.problems[url].includes(text), `${url}: "${results.element.problems[url]}" does not say "${text}"`);
+    expect(results.other_view_db < kLeast_db - 10, 'another view passes, too');
+    expect(results.element.atEnd, 'the player does not end');
     expect(results.element.recovers, 'the player does not recover');
     expect(results.element.duration > 0 && results.element.stepped > 0, 'the player does not step');
     expect(others.length === 0, `asked for ${others}`);

@@ -33,6 +33,7 @@ async function compareViews({stream, width, height, angle, views}) {
     const reader = await FrameReader.open(new URL(stream, location.href));
     results.frames = reader.frames.length;
     results.views = [];
+    const images = [];
     for (const {frame, eye, target, image} of views) {
         const begin = performance.now();
         const tree = await reader.tree(frame), decoded_ms = performance.now() - begin;
@@ -42,8 +43,10 @@ async function compareViews({stream, width, height, angle, views}) {
         draw();
         const png = canvas.toDataURL('image/png'), truth = new Image();
         const shown = await pixels(canvas, width, height);
+        images.push(shown);
         truth.src = image;
         await truth.decode();
+        if (images.length === 2) results.other_view_db = psnr(images[0], await pixels(truth, width, height));
         results.views.push({psnr_db: psnr(shown, await pixels(truth, width, height)), decoded_ms, image_ms, png});
     }
     reader.end();
@@ -51,6 +54,9 @@ async function compareViews({stream, width, height, angle, views}) {
 }
 
 const event = (player, name) => new Promise(resolve => player.addEventListener(name, resolve, {once: true}));
+async function until(done) {
+    while (!done()) await new Promise(resolve => setTimeout(resolve, 20));
+}
 
 async function useElement(stream) {
     await import('/neuvv-player.js');
@@ -64,28 +70,41 @@ async function useElement(stream) {
     player.step(1);
     await event(player, 'seeked');
     const stepped = player.currentTime;
-    const played = event(player, 'timeupdate');
+    const playing = event(player, 'playing');
+    await player.play();
+    await playing;
+    await until(() => player.currentTime < stepped);  // it loops
+    player.loop = false;
+    const ended = event(player, 'ended');
     player.play();
-    await played;
-    player.pause();
+    await ended;
+    const atEnd = player.ended && player.paused && player.currentTime > 0.9 * whole;
+    player.currentTime = 0;
+    await event(player, 'seeked');
     const context = player.shadowRoot.querySelector('canvas').getContext('webgl2'), losing = context.getExtension('WEBGL_lose_context');
     losing.loseContext();
     await new Promise(resolve => setTimeout(resolve, 100));  // the page hears of it
-    const restored = event(player, 'loadeddata');
     losing.restoreContext();
-    await restored;
+    await event(player.shadowRoot.querySelector('canvas'), 'webglcontextrestored');
+    await until(() => player.readyState >= 2);
     const problem = async url => {
         const failed = event(player, 'error');
         player.src = url;
         return (await failed).message;
     };
-    results.element = {duration: whole, stepped, problems: {}};
-    for (const url of ['/missing.nvs', '/empty.nvs', '/page.nvs', '/damaged.nvs', '/short.nvs', '/whole/stream.nvs'])
+    results.element = {duration: whole, stepped, atEnd, problems: {}};
+    for (const url of ['/missing.nvs', '/empty.nvs', '/page.nvs', '/damaged.nvs', '/elsewhere.nvs', '/short.nvs', '/whole/stream.nvs'])
         results.element.problems[url] = await problem(url);
     const again = event(player, 'loadeddata');
     player.src = stream;
     await again;
     results.element.recovers = player.shadowRoot.querySelector('.problem').textContent === '';
+    const parent = player.parentNode;
+    player.remove();
+    await until(() => player.readyState === 0);  // it has let go of all
+    const back = event(player, 'loadeddata');
+    parent.append(player);
+    await back;
     player.dispose();
 }
 

@@ -18,10 +18,6 @@ namespace neuvv {
 
 namespace {
 
-uint32_t packed_cell(glm::uvec3 cell) {
-    return cell.x | cell.y << 10 | cell.z << 20;
-}
-
 std::unique_ptr<NeuvvSliceTree> tree_of(const stream::QuantisedSlice& slice, glm::vec3 box_size) {
     auto tree = std::make_unique<NeuvvSliceTree>();
     std::vector<glm::uvec2> positions(slice.leaves.size());  // nobody here asks where leaves are
@@ -29,13 +25,14 @@ std::unique_ptr<NeuvvSliceTree> tree_of(const stream::QuantisedSlice& slice, glm
     const render::SliceLayout& layout = tree->layout;
     tree->entries.resize(size_t{layout.entries} * sh_count(slice.degree));
     render::write_entries(slice, layout, box_size, tree->entries.data());
+    const TopBox top = render::top_box(layout.top.bounds);
     tree->shape = {static_cast<uint32_t>(layout.nodes.size()),
                    layout.entries,
                    static_cast<uint32_t>(layout.top.cells.size()),
                    layout.node_levels,
                    layout.top.levels,
-                   packed_cell(layout.top.bounds.low),
-                   packed_cell(layout.top.bounds.last),
+                   top.first,
+                   top.last,
                    layout.scale};
     return tree;
 }

@@ -2,23 +2,26 @@
 import {StreamError, crc32, headBytes, kParts, readHead} from './nvs.js';
 import {RangeSource} from './source.js';
 
-const kWorkers = 2;
+const kWorkers = Math.max(1, Math.min(4, (navigator.hardwareConcurrency ?? 2) - 1));
+const kMostTableBytes = 1 << 20;  // inflated
 
 /** A worker, which decodes what it is asked for in order. */
 class Decoder {
     #worker = new Worker(new URL('worker.js', import.meta.url), {type: 'module'});
-    #waiting = new Map(); #next = 0;
-    last = -1;  // the frame that it is asked for last
+    #waiting = new Map(); #next = 0; #problem = '';
+    last = -1;                  // the frame that it is asked for last; −1 where that failed
+    load = 0;                   // how many frames it is asked for and has not answered
+    turn = Promise.resolve();   // when it has answered all of them
     constructor() {
         this.#worker.onmessage = ({data}) => {
             const {resolve, reject} = this.#waiting.get(data.id);
             this.#waiting.delete(data.id);
             data.error ? reject(new StreamError(data.error)) : resolve(data.tree);
         };
-        this.#worker.onerror = () => this.#rejectAll('the decoder could not be loaded');
+        this.#worker.onerror = () => this.#fail('the decoder could not be loaded');
     }
-    get load() { return this.#waiting.size; }
     decode(request) {
+        if (this.#problem) return Promise.reject(new StreamError(this.#problem));
         const id = this.#next++;
         const result = new Promise((resolve, reject) => this.#waiting.set(id, {resolve, reject}));
         this.#worker.postMessage({id, ...request});
@@ -26,21 +29,29 @@ class Decoder {
     }
     end() {
         this.#worker.terminate();
-        this.#rejectAll('the player has ended');
+        this.#fail('the player has ended');
     }
-    #rejectAll(problem) {
+    #fail(problem) {
+        this.#problem = problem;
         for (const {reject} of this.#waiting.values()) reject(new StreamError(problem));
         this.#waiting.clear();
     }
 }
 
 async function inflated(bytes) {
+    const pieces = [];
+    let size = 0;
     try {
-        const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
-        return new Uint8Array(await new Response(stream).arrayBuffer());
+        for (const reader = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate')).getReader();;) {
+            const {done, value} = await reader.read();
+            if (done) break;
+            pieces.push(value);
+            if ((size += value.length) > kMostTableBytes) throw new StreamError('too large');
+        }
     } catch {
         throw new StreamError('the tables of the stream are damaged');
     }
+    return new Uint8Array(await new Blob(pieces).arrayBuffer());
 }
 
 function expectWhole(bytes, crc) {
@@ -49,55 +60,60 @@ function expectWhole(bytes, crc) {
 }
 
 export class FrameReader {
-    #source; #decoders = Array.from({length: kWorkers}, () => new Decoder());
+    #source; #decoders = [];
     fps = 0; frames = []; box = null;  // as readHead has them
 
     /** Opens the stream at an address. Throws StreamError. */
     static async open(url) {
         const reader = new FrameReader(), source = new RangeSource(url);
+        const bytes = await source.read(0, headBytes(await source.begin(), source.size));
+        const {fps, end, box, frames} = readHead(bytes);
+        if (source.size < end) throw new StreamError('the file ends early');
         reader.#source = source;
-        try {
-            const bytes = await source.read(0, headBytes(await source.begin()));
-            const {fps, end, box, frames} = readHead(bytes);
-            if (source.size < end) throw new StreamError('the file ends early');
-            Object.assign(reader, {fps, box, frames});
-        } catch (error) {
-            reader.end();
-            throw error;
-        }
-        return reader;
+        return Object.assign(reader, {fps, box, frames});
     }
 
     /** The slice tree of a frame, as worker.js makes it, with the box of its group. Throws StreamError. */
     async tree(frame) {
-        const chain = [frame];
-        while (!this.frames[chain[0]].isKey) chain.unshift(chain[0] - 1);
-        const fetched = await Promise.all(chain.map(one => this.#fetched(one)));
-        const decoder = this.#decoderFor(frame, chain);
-        const begin = decoder.last >= chain[0] && decoder.last < frame ? decoder.last + 1 - chain[0] : 0;
+        if (this.#decoders.length === 0) this.#decoders = Array.from({length: kWorkers}, () => new Decoder());
+        let first = frame;
+        while (!this.frames[first].isKey) --first;
+        const decoder = this.#decoderFor(frame, first);
+        if (decoder.last >= first && decoder.last < frame) first = decoder.last + 1;
+        const requests = Array.from({length: frame - first + 1}, (_, i) => this.#fetched(first + i));
+        for (const one of requests) one.catch(() => {});  // it is thrown when its turn comes
         decoder.last = frame;
-        const trees = await Promise.all(fetched.slice(begin).map(
-            (request, i, all) => decoder.decode({...request, wantsTree: i === all.length - 1})));
+        ++decoder.load;
+        const result = decoder.turn.then(async () => {
+            let tree = null;
+            for (const [i, one] of requests.entries())
+                tree = await decoder.decode({...await one, wantsTree: i === requests.length - 1});
+            return tree;
+        });
+        decoder.turn = result.catch(() => decoder.last = -1).finally(() => --decoder.load);
         const {boxMin, boxSize} = this.frames[frame].group;
-        return {...trees.at(-1), boxMin, boxSize};
+        return {...await result, boxMin, boxSize};
     }
     end() {
         this.#source.cancel();
         for (const decoder of this.#decoders) decoder.end();
     }
 
-    // One that has just decoded what the frame repeats; else the one with the least to do.
-    #decoderFor(frame, chain) {
-        if (chain.length > 1)
+    // One that has decoded what the frame repeats; else the one with the least to do.
+    #decoderFor(frame, first) {
+        if (first < frame)
             for (const decoder of this.#decoders)
-                if (decoder.last >= chain[0] && decoder.last < frame) return decoder;
+                if (decoder.last >= first && decoder.last < frame) return decoder;
         return this.#decoders.reduce((a, b) => b.load < a.load ? b : a);
     }
     async #fetched(number) {
-        const {group, parts} = this.frames[number];
+        const {group, isKey, parts} = this.frames[number];
         group.inflated ??= this.#source.read(group.tables.begin, group.tables.bytes)
-            .then(bytes => inflated(expectWhole(bytes, group.tables.crc)));
-        group.inflated.catch(() => group.inflated = undefined);
+            .then(bytes => inflated(expectWhole(bytes, group.tables.crc)))
+            .catch(error => {
+                group.inflated = undefined;
+                throw error;
+            });
         const [tables, ...read] = await Promise.all(
             [group.inflated, ...parts.map(({begin, bytes}) => this.#source.read(begin, bytes))]);
         const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.bytes, 0));
@@ -106,6 +122,7 @@ export class FrameReader {
             bytes.set(expectWhole(read[i], part.crc), at);
             at += part.bytes;
         }
+        if (isKey !== (bytes[0] === 1)) throw new StreamError('a frame is a key frame or not, other than the head says');
         const {depth, degree, mostLeaves, boxSize} = group;
         return {group: {key: group.tables.begin, tables, depth, degree, mostLeaves, boxSize}, bytes,
                 sizes: parts.map(part => part.bytes), partCount: kParts};

@@ -10,7 +10,8 @@ const kMostStep = 250;         // milliseconds; a page that was hidden goes on w
 const kMostDensity = 2;        // device pixels across and down of a pixel of the page
 
 const kStyle = `
-:host { display: block; position: relative; aspect-ratio: 1; background: #181818; touch-action: none; }
+:host { display: block; position: relative; aspect-ratio: 1; background: #181818; touch-action: pan-y; }
+:host([hidden]) { display: none; }
 canvas { width: 100%; height: 100%; display: block; cursor: grab; outline-offset: -2px; }
 .bar { position: absolute; inset: auto 0 0 0; display: flex; gap: .5em; align-items: center; padding: .4em; background: #0008; color: #fff; font: 14px sans-serif; }
 .bar[hidden], .problem:empty { display: none; }
@@ -19,8 +20,17 @@ canvas { width: 100%; height: 100%; display: block; cursor: grab; outline-offset
 .bar input { flex: 1; min-width: 0; }
 .problem { position: absolute; inset: 40% 10% auto; padding: .8em; text-align: center; background: #000c; color: #fff; font: 15px sans-serif; }`;
 
-const kWalk = fetch(new URL('performer.frag', import.meta.url)).then(answer => answer.text());
-kWalk.catch(() => {});  // who waits for it reports it
+let walk = null;  // the text of performer.frag, once for all players
+function loadedWalk() {
+    walk ??= fetch(new URL('performer.frag', import.meta.url)).then(answer => {
+        if (!answer.ok) throw new Error(`performer.frag could not be loaded: the server answers ${answer.status}`);
+        return answer.text();
+    }).catch(error => {
+        walk = null;
+        throw error;
+    });
+    return walk;
+}
 
 function minutes(seconds) {
     return `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, '0')}`;
@@ -31,6 +41,8 @@ export class NeuvvPlayer extends HTMLElement {
     #canvas; #bar; #button; #icon; #line; #clock; #problem;
     #renderer = null; #reader = null; #opening = 0; #trees = new Map(); #shown = -1; #due = true;
     #time = 0; #paused = true; #rate = 1; #last = null; #seeking = false; #frameRequest = 0; #sizes;
+    #hasData = false; #isWaiting = false; #ended = false;
+    error = null;
     #turn = 0; #tilt = 0.1; #zoom = 1;
 
     constructor() {
@@ -40,7 +52,7 @@ export class NeuvvPlayer extends HTMLElement {
         root.adoptedStyleSheets = [sheet];
         const add = (parent, name, properties = {}) => parent.appendChild(Object.assign(document.createElement(name), properties));
         this.#canvas = add(root, 'canvas', {tabIndex: 0});
-        this.#canvas.setAttribute('role', 'img');
+        this.#canvas.setAttribute('role', 'application');  // which keys go to
         this.#canvas.setAttribute('aria-label', 'performer; arrow keys turn, space plays');
         this.#problem = add(root, 'div', {className: 'problem'});
         this.#problem.setAttribute('role', 'alert');
@@ -62,6 +74,7 @@ export class NeuvvPlayer extends HTMLElement {
     get src() { return this.getAttribute('src') ?? ''; }
     set src(url) { this.setAttribute('src', url); }
     get paused() { return this.#paused; }
+    get ended() { return this.#ended; }
     get duration() { return this.#reader ? this.#reader.frames.length / this.#reader.fps : NaN; }
     get playbackRate() { return this.#rate; }
     set playbackRate(rate) {
@@ -74,6 +87,7 @@ export class NeuvvPlayer extends HTMLElement {
         if (!Number.isFinite(seconds)) throw new TypeError('currentTime must be a number of seconds');
         this.#time = Math.max(0, Math.min(seconds, this.#end()));
         this.#seeking = true;
+        this.#ended = false;
         this.dispatchEvent(new Event('seeking'));
     }
     /** HTMLMediaElement's: 0 nothing, 1 the head is known, 2 the frame of this time is there, 4 those after it, too. */
@@ -86,10 +100,15 @@ export class NeuvvPlayer extends HTMLElement {
     get loop() { return this.hasAttribute('loop'); }
     set loop(on) { this.toggleAttribute('loop', on); }
 
-    play() {
+    /** Returns a promise, as HTMLMediaElement's does. Frames that could not be read are asked for again. */
+    async play() {
         if (!this.#paused) return;
+        for (const [frame, one] of this.#trees)
+            if (one.error) this.#trees.delete(frame);
+        if (this.#reader) this.#tell(null);
         if (this.#time >= this.#end() && !this.loop) this.#time = 0;
-        this.#paused = false;
+        this.#paused = this.#ended = false;
+        this.#isWaiting = true;  // `playing` comes with the first frame
         this.#last = null;
         this.#label();
         this.dispatchEvent(new Event('play'));
@@ -106,7 +125,7 @@ export class NeuvvPlayer extends HTMLElement {
         this.pause();
         this.currentTime = (this.#frameOf(this.#time) + frames + 0.5) / this.#reader.fps;
     }
-    /** Ends all that runs, and frees what it has; the element shows nothing more. */
+    /** Ends all that runs, and frees what it has, as removing it from the page does. A new `src` begins anew. */
     dispose() {
         cancelAnimationFrame(this.#frameRequest);
         this.#close();
@@ -116,47 +135,57 @@ export class NeuvvPlayer extends HTMLElement {
     }
 
     connectedCallback() {
-        this.#sizes.observe(this.#canvas);
-        this.#schedule();
+        if (!this.#reader) this.#open();
     }
     disconnectedCallback() {
-        cancelAnimationFrame(this.#frameRequest);
-        this.#last = null;
+        setTimeout(() => {  // it may only be moved
+            if (!this.isConnected) this.dispose();
+        });
     }
     attributeChangedCallback(name) {
         if (name === 'controls') this.#bar.hidden = !this.hasAttribute('controls');
-        if (name === 'src') this.#open();
+        if (name === 'src' && this.isConnected) this.#open();
     }
 
     async #open() {
         this.#close();
-        const opening = ++this.#opening;
+        const opening = this.#opening;
         if (!this.src) return;
         try {
-            this.#renderer ??= new Renderer(this.#canvas, await kWalk);
+            const text = await loadedWalk();
+            if (opening !== this.#opening) return;
+            this.#renderer ??= new Renderer(this.#canvas, text);
+            this.#sizes.observe(this.#canvas);
+            this.#schedule();
             const reader = await FrameReader.open(new URL(this.src, document.baseURI));
             if (opening !== this.#opening) return reader.end();
             this.#reader = reader;
             this.#line.max = this.duration;
-            this.dispatchEvent(new Event('loadedmetadata'));
+            this.#showClock();
             this.dispatchEvent(new Event('durationchange'));
+            this.dispatchEvent(new Event('loadedmetadata'));
             if (this.hasAttribute('autoplay')) this.play();
         } catch (error) {
             if (opening === this.#opening) this.#fail(error);
         }
     }
     #close() {
+        ++this.#opening;  // what is being opened is dropped when it is there
         this.#reader?.end();
         this.#reader = null;
         this.#trees.clear();
         this.#shown = -1;
         this.#time = 0;
-        this.#problem.textContent = '';
+        this.#hasData = this.#seeking = this.#isWaiting = this.#ended = false;
+        this.#tell(null);
+    }
+    #tell(error) {
+        this.error = error;
+        this.#problem.textContent = error ? `${this.src}: ${error.message}` : '';
     }
     #fail(error) {
         this.pause();
-        this.error = error;
-        this.#problem.textContent = `${this.src}: ${error.message}`;
+        this.#tell(error);
         this.dispatchEvent(new ErrorEvent('error', {error, message: error.message}));
     }
 
@@ -193,13 +222,19 @@ export class NeuvvPlayer extends HTMLElement {
     #advance(now) {
         const passed = Math.min(now - (this.#last ?? now), kMostStep);
         this.#last = now;
-        if (this.#paused || this.readyState < 2) return;
+        if (this.#paused) return;
+        if (this.#isWaiting !== this.readyState < 2) {
+            this.#isWaiting = !this.#isWaiting;
+            this.dispatchEvent(new Event(this.#isWaiting ? 'waiting' : 'playing'));
+        }
+        if (this.#isWaiting) return;
         this.#time += passed / 1000 * this.#rate;
         if (this.#time < this.#end()) return;
         if (this.loop) {
             this.#time %= this.duration;
         } else {
             this.#time = this.#end();
+            this.#ended = true;
             this.pause();
             this.dispatchEvent(new Event('ended'));
         }
@@ -214,31 +249,37 @@ export class NeuvvPlayer extends HTMLElement {
         const reader = this.#reader;
         for (const frame of wanted) {
             if (frame === this.#shown || this.#trees.has(frame)) continue;
-            const one = {tree: null};
+            const one = {tree: null, error: null};
             this.#trees.set(frame, one);
-            reader.tree(frame).then(tree => one.tree = tree,
-                                    error => { if (reader === this.#reader) this.#fail(error); });
+            reader.tree(frame).then(tree => one.tree = tree, error => one.error = error);
         }
     }
     #takeFrame() {
         const frame = this.#frameOf(this.#time), one = this.#trees.get(frame);
+        if (one?.error && one.error !== this.error) this.#fail(one.error);  // once, until play() tries again
         if (one?.tree) {
             this.#renderer.show(one.tree);
             this.#trees.delete(frame);
-            const isFirst = this.#shown < 0;
             this.#shown = frame;
             this.#due = true;
-            if (isFirst) this.dispatchEvent(new Event('loadeddata'));
+            if (!this.#hasData) {
+                this.#hasData = true;
+                this.dispatchEvent(new Event('loadeddata'));
+                this.dispatchEvent(new Event('canplay'));
+            }
         }
         if (this.#seeking && frame === this.#shown) {
             this.#seeking = false;
             this.dispatchEvent(new Event('seeked'));
         }
         if (this.#line.value !== String(this.#time)) {
-            this.#line.value = this.#time;
-            this.#clock.textContent = `${minutes(this.#time)} / ${minutes(this.duration)}`;
+            this.#showClock();
             this.dispatchEvent(new Event('timeupdate'));
         }
+    }
+    #showClock() {
+        this.#line.value = this.#time;
+        this.#clock.textContent = `${minutes(this.#time)} / ${minutes(this.duration)}`;
     }
     #resize() {
         const density = Math.min(devicePixelRatio, kMostDensity), canvas = this.#canvas;
@@ -285,7 +326,8 @@ export class NeuvvPlayer extends HTMLElement {
             else if (before > 0 && apart() > 0) this.#orbit(0, 0, before / apart());
         });
         for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, event => pointers.delete(event.pointerId));
-        canvas.addEventListener('wheel', event => {
+        canvas.addEventListener('wheel', event => {  // else the page scrolls
+            if (this.shadowRoot.activeElement !== canvas && !event.ctrlKey) return;
             event.preventDefault();
             this.#orbit(0, 0, Math.exp(0.001 * event.deltaY));
         }, {passive: false});

@@ -1,7 +1,8 @@
 // The head of a .nvs file (engine/stream/README.md): its groups of frames, and where the parts of each frame lie.
 
 export const kParts = 5;
-const kHeadBytes = 32, kFrameBytes = 4 + 8 * kParts, kMostFrames = 1e7, kMostLeaves = 1 << 24;
+const kHeadBytes = 32, kFrameBytes = 4 + 8 * kParts, kMostFrames = 1e6;  // those of 9 hours
+const kMostGroupFrames = 1000, kMostLeaves = 1 << 24, kMostDepth = 12, kMostDegree = 3, kLeastBox = 1e-6;  // metres
 const kGroupBytes = {2: 64, 3: 88};  // by version
 
 // What is wrong with a stream or its server, in a line that a viewer can understand.
@@ -24,8 +25,8 @@ function expect(condition, problem) {
     if (!condition) throw new StreamError(problem);
 }
 
-/** How many bytes the head of a file has, by its first 32. Throws StreamError where these are of no stream. */
-export function headBytes(bytes) {
+/** How many bytes the head of a file of `size` bytes has, by its first 32. Throws StreamError where these are of no stream. */
+export function headBytes(bytes, size) {
     expect(bytes.length > 0, 'the file is empty');
     const first = new TextDecoder().decode(bytes.subarray(0, 8));
     expect(!first.trimStart().startsWith('<'), 'the server sent a web page, not a stream');
@@ -34,7 +35,15 @@ export function headBytes(bytes) {
     const version = head.getUint32(8, true), frames = head.getUint32(12, true), groups = head.getUint32(16, true);
     expect(kGroupBytes[version], `the stream has version ${version}; this player reads 2 and 3`);
     expect(frames >= 1 && frames <= kMostFrames && groups >= 1 && groups <= frames, 'the head of the stream is damaged');
-    return kHeadBytes + groups * kGroupBytes[version] + frames * kFrameBytes + 4;
+    const all = kHeadBytes + groups * kGroupBytes[version] + frames * kFrameBytes + 4;
+    expect(all <= size, 'the file ends early');
+    return all;
+}
+
+// The part of the box that leaves fill: nothing, or as large as a leaf.
+function mayBeFilled(low, high) {
+    if ([...low, ...high].every(part => part === 0)) return true;
+    return low.every((part, axis) => part >= 0 && high[axis] <= 1 && high[axis] - part >= 2 ** -kMostDepth);
 }
 
 function readGroup(head, at, version) {
@@ -42,11 +51,13 @@ function readGroup(head, at, version) {
     const vector = offset => [0, 1, 2].map(axis => head.getFloat32(at + offset + 4 * axis, true));
     const group = {frameCount: number(0), depth: number(4), degree: number(8), mostLeaves: number(12), boxMin: vector(16),
                    boxSize: vector(28), tables: {begin: Number(head.getBigUint64(at + 40, true)), bytes: number(48), crc: number(52)}};
-    expect(group.frameCount >= 1 && group.depth >= 2 && group.depth <= 12 && group.degree <= 3 && group.mostLeaves <= kMostLeaves &&
-               group.boxSize.every(edge => edge > 0 && edge < 1e6) && group.boxMin.every(Number.isFinite),
+    expect(group.frameCount >= 1 && group.frameCount <= kMostGroupFrames && group.depth >= 2 && group.depth <= kMostDepth &&
+               group.depth % 2 === 0 && group.degree <= kMostDegree && group.mostLeaves <= kMostLeaves &&
+               group.boxSize.every((edge, axis) => edge >= kLeastBox && Number.isFinite(Math.fround(group.boxMin[axis] + edge))),
            'the head of the stream is damaged');
     // Around the leaves of its frames: parts of the box; all 0 where there are none.
     const [low, high] = version >= 3 ? [vector(64), vector(76)] : [[0, 0, 0], [1, 1, 1]];
+    expect(mayBeFilled(low, high), 'the head of the stream is damaged');
     const inWorld = parts => parts.map((part, axis) => group.boxMin[axis] + part * group.boxSize[axis]);
     group.filled = high.some(part => part > 0) ? {min: inWorld(low), max: inWorld(high)} : null;
     return group;
@@ -56,8 +67,8 @@ function readGroup(head, at, version) {
 function boxOf(groups) {
     const [{boxMin, boxSize}] = groups, filled = groups.map(group => group.filled).filter(Boolean);
     if (filled.length === 0) return {min: boxMin, max: boxMin.map((low, axis) => low + boxSize[axis])};
-    const of = (side, choose) => [0, 1, 2].map(axis => choose(...filled.map(box => box[side][axis])));
-    return {min: of('min', Math.min), max: of('max', Math.max)};
+    return filled.reduce((all, one) => ({min: all.min.map((low, axis) => Math.min(low, one.min[axis])),
+                                         max: all.max.map((high, axis) => Math.max(high, one.max[axis]))}));
 }
 
 /** Places the parts of a group's frames: those of one part stand behind each other, frame by frame. */
@@ -87,12 +98,15 @@ export function readHead(bytes) {
     expect(groups.reduce((sum, group) => sum + group.frameCount, 0) === frameCount, 'the head of the stream is damaged');
     for (const group of groups) {
         const first = frames.length;
+        expect(group.tables.begin === end, 'the head of the stream is damaged');  // they stand behind each other
         for (let i = 0; i < group.frameCount; ++i, at += kFrameBytes) {
             const parts = Array.from({length: kParts}, (_, part) => ({begin: 0, bytes: head.getUint32(at + 4 + 4 * part, true),
                                                                       crc: head.getUint32(at + 24 + 4 * part, true)}));
-            frames.push({group, isKey: i === 0 || head.getUint32(at, true) === 1, parts});
+            const key = head.getUint32(at, true);
+            expect(key === 1 || (key === 0 && i > 0), 'the head of the stream is damaged');
+            frames.push({group, isKey: key === 1, parts});
         }
-        end = Math.max(end, placeParts(frames.slice(first), group));
+        end = placeParts(frames.slice(first), group);
     }
     return {fps, end, box: boxOf(groups), frames};
 }

@@ -13,7 +13,9 @@ export class WebglMissing extends Error {}
 const subtract = (a, b) => a.map((value, i) => value - b[i]);
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const scaled = (a, factor) => a.map(value => factor * value);
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const normalised = a => scaled(a, 1 / Math.hypot(...a));
+const srgbOf = linear => linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055;
 
 /**
  * The rays of a camera at `eye` that looks at `target`, +y up, metres: pixel (x, y) from the top left of an image of
@@ -27,16 +29,37 @@ export function lookAt(eye, target, angle, width, height) {
     return {eye, right, down, corner};
 }
 
+/**
+ * The pixels that a box, metres, may cover in an image of width × height: {x, y, width, height} from the bottom left, as
+ * gl.scissor takes them. All of them where a corner of the box is not before the eye.
+ */
+function coveredBy({min, max}, {eye, right, down, corner}, width, height) {
+    const forward = normalised(cross(right, down)), plane = dot(corner, forward);
+    let [left, top, end, bottom] = [width, height, 0, 0];
+    for (let i = 0; i < 8; ++i) {
+        const towards = subtract([0, 1, 2].map(axis => (i >> axis & 1 ? max : min)[axis]), eye), depth = dot(towards, forward);
+        if (depth <= 1e-3 * plane) return {x: 0, y: 0, width, height};
+        const onPlane = subtract(scaled(towards, plane / depth), corner);
+        const x = dot(onPlane, right) / dot(right, right), y = dot(onPlane, down) / dot(down, down);
+        [left, top, end, bottom] = [Math.min(left, x), Math.min(top, y), Math.max(end, x), Math.max(bottom, y)];
+    }
+    const inside = (value, most) => Math.max(0, Math.min(value, most));
+    const [x, above, beyond, below] = [inside(Math.floor(left), width), inside(Math.floor(top), height), inside(Math.ceil(end), width),
+                                       inside(Math.ceil(bottom), height)];
+    return {x, y: height - below, width: Math.max(0, beyond - x), height: Math.max(0, below - above)};
+}
+
 /** A slice tree in textures. */
 class TreeOnDevice {
     constructor(gl, tree) {
         this.gl = gl;
-        const functions = (tree.degree + 1) ** 2;
         this.textures = [['tree_links', gl.R32UI, gl.RED_INTEGER, 1, tree.links], ['nodes', gl.RGBA32UI, gl.RGBA_INTEGER, 4, tree.nodes],
                          ['entries', gl.RG32UI, gl.RG_INTEGER, 2, tree.entries]].map(one => this.#uploaded(...one));
-        const {degree, nodeLevels, topLevels, topFirst, topLast, boxMin} = tree;
-        Object.assign(this, {degree, nodeLevels, topLevels, topFirst, topLast, boxMin, functions,
-                             boxSize: scaled(tree.boxSize, tree.scale)});
+        const {degree, nodeLevels, topLevels, topFirst, topLast, boxMin} = tree, boxSize = scaled(tree.boxSize, tree.scale);
+        const at = (packed, more) => [0, 1, 2].map(
+            axis => boxMin[axis] + ((packed >>> 10 * axis & 1023) + more) / 4 ** topLevels * boxSize[axis]);
+        const leaves = {min: at(topFirst, 0), max: at(topLast, 1)};  // around them, metres
+        Object.assign(this, {degree, nodeLevels, topLevels, topFirst, topLast, boxMin, boxSize, leaves});
     }
     #uploaded(name, internal, format, channels, words) {
         const gl = this.gl, texels = words.length / channels, rows = Math.max(1, Math.ceil(texels / kWidth));
@@ -76,12 +99,15 @@ export class Renderer {
     draw(rays, background = [0, 0, 0, 0]) {
         const gl = this.#gl, tree = this.#tree;
         if (gl.isContextLost()) return;
-        gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
-        if (!tree) {
-            gl.clearColor(0, 0, 0, 0);
-            gl.clear(gl.COLOR_BUFFER_BIT);
-            return;
-        }
+        const width = gl.drawingBufferWidth, height = gl.drawingBufferHeight, alpha = background[3];
+        gl.viewport(0, 0, width, height);
+        gl.disable(gl.SCISSOR_TEST);
+        gl.clearColor(...background.slice(0, 3).map(linear => srgbOf(linear) * alpha), alpha);
+        gl.clear(gl.COLOR_BUFFER_BIT);
+        if (!tree) return;
+        const covered = coveredBy(tree.leaves, rays, width, height);
+        gl.enable(gl.SCISSOR_TEST);
+        gl.scissor(covered.x, covered.y, covered.width, covered.height);
         const {program, places} = this.#program(tree);
         gl.useProgram(program);
         for (const [unit, {name, texture}] of tree.textures.entries()) {
@@ -97,7 +123,7 @@ export class Renderer {
         vector('box_min', tree.boxMin);
         vector('box_size', tree.boxSize);
         vector('background', background.slice(0, 3), background[3]);
-        gl.uniform1f(places('push.height'), gl.drawingBufferHeight);
+        gl.uniform1f(places('push.height'), height);
         gl.uniform1ui(places('push.top.first'), tree.topFirst);
         gl.uniform1ui(places('push.top.last'), tree.topLast);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
@@ -113,7 +139,6 @@ export class Renderer {
         this.#tree = null;
         for (const {program} of this.#programs.values()) this.#gl.deleteProgram(program);
         this.#programs.clear();
-        this.#gl.getExtension('WEBGL_lose_context')?.loseContext();
     }
 
     // The walk for trees of this shape.

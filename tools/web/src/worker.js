@@ -26,7 +26,7 @@ function copied(bytes) {
 function enter(wanted) {
     if (groupKey === wanted.key) return;
     if (group) codec.neuvv_group_free(group);
-    groupKey = null;
+    group = groupKey = null;
     const tables = copied(wanted.tables);
     group = codec.neuvv_group_new(tables, wanted.tables.length, wanted.depth, wanted.degree, wanted.mostLeaves);
     codec.free(tables);
@@ -71,6 +71,6 @@ self.onmessage = async ({data}) => {
         const tree = data.wantsTree ? sliceTree(data) : null;
         self.postMessage({id: data.id, tree}, tree ? [tree.nodes.buffer, tree.entries.buffer, tree.links.buffer] : []);
     } catch (error) {
-        self.postMessage({id: data.id, error: error.message});
+        self.postMessage({id: data.id, error: String(error.message ?? error)});  // WebAssembly's have no message
     }
 };
