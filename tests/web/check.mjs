@@ -116,6 +116,8 @@ for (const [i, view] of (results.views ?? []).entries()) {
     expect(view.psnr_db >= kLeast_db, `view ${i} has ${view.psnr_db.toFixed(2)} dB`);
 }
 if (!results.problem) {
+    console.log(`first picture of the element: ${results.first_ms.toFixed(0)} ms, ${Math.round(results.first_bytes / 1000)} KB of the stream`);
+    expect(results.first_bytes > 0, 'no bytes were counted');
     const kProblems = {'/missing.nvs': '404', '/empty.nvs': 'is empty', '/page.nvs': 'a web page', '/damaged.nvs': 'is damaged',
                        '/elsewhere.nvs': 'is damaged', '/short.nvs': 'ends early', '/whole/stream.nvs': 'ranges'};
     expect(results.views.length === 6 && results.frames === frames, 'views or frames are missing');

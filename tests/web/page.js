@@ -63,7 +63,12 @@ async function useElement(stream) {
     const player = document.createElement('neuvv-player');
     player.loop = true;
     document.body.append(player);
-    const loaded = event(player, 'loadeddata');
+    const begin = performance.now(), loaded = event(player, 'loadeddata');
+    player.addEventListener('loadeddata', () => {
+        results.first_ms = performance.now() - begin;
+        results.first_bytes = performance.getEntriesByType('resource').reduce(
+            (sum, one) => sum + (one.startTime >= begin && one.name.endsWith(stream) ? one.encodedBodySize : 0), 0);
+    }, {once: true});
     player.src = stream;
     await loaded;
     const whole = player.duration;

@@ -73,16 +73,21 @@ export class FrameReader {
         return Object.assign(reader, {fps, box, frames});
     }
 
-    /** The slice tree of a frame, as worker.js makes it, with the box of its group. Throws StreamError. */
-    async tree(frame) {
+    /**
+     * The slice tree of a frame, as worker.js makes it, with the box of its group; of a key frame also from its first
+     * `partCount` parts alone. Throws StreamError.
+     */
+    async tree(frame, partCount = kParts) {
         if (this.#decoders.length === 0) this.#decoders = Array.from({length: kWorkers}, () => new Decoder());
         let first = frame;
         while (!this.frames[first].isKey) --first;
         const decoder = this.#decoderFor(frame, first);
         if (decoder.last >= first && decoder.last < frame) first = decoder.last + 1;
-        const requests = Array.from({length: frame - first + 1}, (_, i) => this.#fetched(first + i));
+        const isWhole = partCount === kParts;
+        this.#source.readsAhead = isWhole;
+        const requests = Array.from({length: frame - first + 1}, (_, i) => this.#fetched(first + i, partCount));
         for (const one of requests) one.catch(() => {});  // it is thrown when its turn comes
-        decoder.last = frame;
+        decoder.last = isWhole ? frame : -1;
         ++decoder.load;
         const result = decoder.turn.then(async () => {
             let tree = null;
@@ -106,8 +111,8 @@ export class FrameReader {
                 if (decoder.last >= first && decoder.last < frame) return decoder;
         return this.#decoders.reduce((a, b) => b.load < a.load ? b : a);
     }
-    async #fetched(number) {
-        const {group, isKey, parts} = this.frames[number];
+    async #fetched(number, partCount) {
+        const {group, isKey, parts: all} = this.frames[number], parts = all.slice(0, partCount);
         group.inflated ??= this.#source.read(group.tables.begin, group.tables.bytes)
             .then(bytes => inflated(expectWhole(bytes, group.tables.crc)))
             .catch(error => {
@@ -125,6 +130,6 @@ export class FrameReader {
         if (isKey !== (bytes[0] === 1)) throw new StreamError('a frame is a key frame or not, other than the head says');
         const {depth, degree, mostLeaves, boxSize} = group;
         return {group: {key: group.tables.begin, tables, depth, degree, mostLeaves, boxSize}, bytes,
-                sizes: parts.map(part => part.bytes), partCount: kParts};
+                sizes: all.map(part => part.bytes), partCount};
     }
 }

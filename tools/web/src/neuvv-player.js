@@ -2,6 +2,7 @@
 import {FrameReader} from './frames.js';
 import {lookAt, Renderer} from './renderer.js';
 
+const kFirstParts = 2;         // of a frame before any other is shown: its shape, and colours without harmonics
 const kAhead = 4;              // frames that are asked for before they are due
 const kAngle = 0.7;            // from the top to the bottom of the image, radians
 const kTurn = 0.008;           // radians per pixel of a drag
@@ -41,7 +42,7 @@ export class NeuvvPlayer extends HTMLElement {
     #canvas; #bar; #button; #icon; #line; #clock; #problem;
     #renderer = null; #reader = null; #opening = 0; #trees = new Map(); #shown = -1; #due = true;
     #time = 0; #paused = true; #rate = 1; #last = null; #seeking = false; #frameRequest = 0; #sizes;
-    #hasData = false; #isWaiting = false; #ended = false;
+    #hasData = false; #isPartial = false; #isWaiting = false; #ended = false;
     error = null;
     #turn = 0; #tilt = 0.1; #zoom = 1;
 
@@ -248,10 +249,11 @@ export class NeuvvPlayer extends HTMLElement {
             if (!wanted.has(frame)) this.#trees.delete(frame);
         const reader = this.#reader;
         for (const frame of wanted) {
-            if (frame === this.#shown || this.#trees.has(frame)) continue;
-            const one = {tree: null, error: null};
+            if (this.#shown < 0 && frame !== first) break;  // nothing else comes before the first picture
+            if ((frame === this.#shown && !this.#isPartial) || this.#trees.has(frame)) continue;
+            const isPartial = this.#shown < 0 && reader.frames[frame].isKey, one = {tree: null, error: null, isPartial};
             this.#trees.set(frame, one);
-            reader.tree(frame).then(tree => one.tree = tree, error => one.error = error);
+            reader.tree(frame, isPartial ? kFirstParts : undefined).then(tree => one.tree = tree, error => one.error = error);
         }
     }
     #takeFrame() {
@@ -261,6 +263,7 @@ export class NeuvvPlayer extends HTMLElement {
             this.#renderer.show(one.tree);
             this.#trees.delete(frame);
             this.#shown = frame;
+            this.#isPartial = one.isPartial;
             this.#due = true;
             if (!this.#hasData) {
                 this.#hasData = true;

@@ -1,16 +1,17 @@
 // The bytes of a file on a server, by ranges.
 import {StreamError} from './nvs.js';
 
-const kBlock = 1 << 16, kMostKept = 1024;  // bytes; blocks
+const kBlock = 1 << 14, kMostKept = 4096, kAhead = 4;  // bytes; blocks; how many are asked for at least, but at first
 const kTries = 4, kPatience_ms = 15000, kPause_ms = 500;
 
 const later = milliseconds => new Promise(resolve => setTimeout(resolve, milliseconds));
 const isPassing = status => status === 429 || status >= 500;
 
-/** Reads ranges of a file in blocks of 64 KiB, of which it keeps 64 MiB. A request that fails is made four times. */
+/** Reads ranges of a file in blocks of 16 KiB, of which it keeps 64 MiB. A request that fails is made four times. */
 export class RangeSource {
     #url; #blocks = new Map(); #stop = new AbortController();
-    size = Infinity;  // of the file, where its server says so
+    size = Infinity;     // of the file, where its server says so
+    readsAhead = false;  // whether at least 64 KiB are asked for at a time
     constructor(url) { this.#url = url; }
 
     /** A Uint8Array of [begin, begin + bytes). Throws StreamError. */
@@ -25,7 +26,7 @@ export class RangeSource {
         }
         return result;
     }
-    /** The first bytes, at most 64 KiB. */
+    /** The first bytes, at most 16 KiB. */
     begin() { return this.#request(0, 0)[0]; }
     cancel() { this.#stop.abort(); }
 
@@ -33,8 +34,9 @@ export class RangeSource {
     #request(first, last) {
         for (let block = first; block <= last; ++block) {
             if (this.#blocks.has(block)) continue;
+            const beyond = this.readsAhead ? Math.min(Math.max(last + 1, block + kAhead), Math.ceil(this.size / kBlock)) : last + 1;
             let end = block + 1;
-            while (end <= last && !this.#blocks.has(end)) ++end;
+            while (end < beyond && !this.#blocks.has(end)) ++end;
             const fetched = this.#fetched(block * kBlock, end * kBlock);
             for (let i = block; i < end; ++i) {
                 const from = (i - block) * kBlock;
