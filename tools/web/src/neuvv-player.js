@@ -8,7 +8,8 @@ const kAngle = 0.7;            // from the top to the bottom of the image, radia
 const kTurn = 0.008;           // radians per pixel of a drag
 const kMostTilt = 1.4;         // radians above or below the performer
 const kMostStep = 250;         // milliseconds; a page that was hidden goes on where it was
-const kMostDensity = 2;        // device pixels across and down of a pixel of the page
+const kMostDensity = 2;        // rays across and down of a pixel of the page
+const kStill = 300;            // milliseconds after which a picture that does not change gets more rays
 
 const kStyle = `
 :host { display: block; position: relative; aspect-ratio: 1; background: #181818; touch-action: pan-y; }
@@ -42,7 +43,7 @@ export class NeuvvPlayer extends HTMLElement {
     #canvas; #bar; #button; #icon; #line; #clock; #problem;
     #renderer = null; #reader = null; #opening = 0; #trees = new Map(); #shown = -1; #due = true;
     #time = 0; #paused = true; #rate = 1; #last = null; #seeking = false; #frameRequest = 0; #sizes;
-    #hasData = false; #isPartial = false; #isWaiting = false; #ended = false;
+    #hasData = false; #isPartial = false; #changed = 0; #isWaiting = false; #ended = false;
     error = null;
     #turn = 0; #tilt = 0.1; #zoom = 1;
 
@@ -214,7 +215,8 @@ export class NeuvvPlayer extends HTMLElement {
             this.#request();
             this.#takeFrame();
         }
-        if (this.#resize() || this.#due) {
+        if (this.#due) this.#changed = now;
+        if (this.#resize(now) || this.#due) {
             this.#due = false;
             this.#renderer.draw(this.#rays());
         }
@@ -284,8 +286,10 @@ export class NeuvvPlayer extends HTMLElement {
         this.#line.value = this.#time;
         this.#clock.textContent = `${minutes(this.#time)} / ${minutes(this.duration)}`;
     }
-    #resize() {
-        const density = Math.min(devicePixelRatio, kMostDensity), canvas = this.#canvas;
+    // A ray for each pixel of the screen, and where nothing moves, four.
+    #resize(now) {
+        const isStill = this.#paused && now - this.#changed > kStill, canvas = this.#canvas;
+        const density = isStill ? kMostDensity : Math.min(devicePixelRatio, kMostDensity);
         const width = Math.max(1, Math.round(canvas.clientWidth * density)), height = Math.max(1, Math.round(canvas.clientHeight * density));
         if (canvas.width === width && canvas.height === height) return false;
         canvas.width = width;
