@@ -14,6 +14,7 @@ const kStill = 300;            // milliseconds after which a picture that does n
 const kStyle = `
 :host { display: block; position: relative; aspect-ratio: 1; background: #181818; touch-action: pan-y; }
 :host([hidden]) { display: none; }
+:host(:fullscreen) { width: 100%; height: 100%; aspect-ratio: auto; }
 canvas { width: 100%; height: 100%; display: block; cursor: grab; outline-offset: -2px; }
 .bar { position: absolute; inset: auto 0 0 0; display: flex; gap: .5em; align-items: center; padding: .4em; background: #0008; color: #fff; font: 14px sans-serif; }
 .bar[hidden], .problem:empty { display: none; }
@@ -38,6 +39,14 @@ function minutes(seconds) {
     return `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, '0')}`;
 }
 
+// The path of a new icon, 16 units across and down.
+function addIcon(button) {
+    const add = (parent, name) => parent.appendChild(document.createElementNS('http://www.w3.org/2000/svg', name));
+    const icon = add(button, 'svg');
+    icon.setAttribute('viewBox', '0 0 16 16');
+    return add(icon, 'path');
+}
+
 export class NeuvvPlayer extends HTMLElement {
     static observedAttributes = ['src', 'controls'];
     #canvas; #bar; #button; #icon; #line; #clock; #problem;
@@ -60,14 +69,14 @@ export class NeuvvPlayer extends HTMLElement {
         this.#problem.setAttribute('role', 'alert');
         this.#bar = add(root, 'div', {className: 'bar', hidden: true});
         this.#button = add(this.#bar, 'button', {type: 'button', onclick: () => this.#paused ? this.play() : this.pause()});
-        const drawing = (parent, name) => parent.appendChild(document.createElementNS('http://www.w3.org/2000/svg', name));
-        const icon = drawing(this.#button, 'svg');
-        icon.setAttribute('viewBox', '0 0 16 16');
-        this.#icon = drawing(icon, 'path');
+        this.#icon = addIcon(this.#button);
         this.#line = add(this.#bar, 'input', {type: 'range', min: 0, max: 1, step: 'any', value: 0,
                                               oninput: () => { this.currentTime = Number(this.#line.value); }});
         this.#line.setAttribute('aria-label', 'time, seconds');
         this.#clock = add(this.#bar, 'span');
+        const whole = add(this.#bar, 'button', {type: 'button', onclick: () => this.#fillScreen()});
+        whole.setAttribute('aria-label', 'full screen');
+        addIcon(whole).setAttribute('d', 'M2 6V2h4v1.5H3.5V6zM10 2h4v4h-1.5V3.5H10zM14 10v4h-4v-1.5h2.5V10zM6 14H2v-4h1.5v2.5H6z');
         this.#sizes = new ResizeObserver(() => this.#due = true);
         this.#listen();
         this.#label();
@@ -340,7 +349,7 @@ export class NeuvvPlayer extends HTMLElement {
         }, {passive: false});
         const keys = {ArrowLeft: () => this.#orbit(-0.1, 0), ArrowRight: () => this.#orbit(0.1, 0), ArrowUp: () => this.#orbit(0, 0.1),
                       ArrowDown: () => this.#orbit(0, -0.1), '+': () => this.#orbit(0, 0, 0.9), '-': () => this.#orbit(0, 0, 1.1),
-                      ' ': () => this.#paused ? this.play() : this.pause(), ',': () => this.step(-1), '.': () => this.step(1)};
+                      ' ': () => this.#paused ? this.play() : this.pause(), f: () => this.#fillScreen(), ',': () => this.step(-1), '.': () => this.step(1)};
         canvas.addEventListener('webglcontextlost', event => event.preventDefault());  // so that it comes again
         canvas.addEventListener('webglcontextrestored', () => {
             this.#renderer?.restore();
@@ -352,6 +361,10 @@ export class NeuvvPlayer extends HTMLElement {
             event.preventDefault();
             keys[event.key]();
         });
+    }
+    #fillScreen() {
+        const change = document.fullscreenElement === this ? document.exitFullscreen() : this.requestFullscreen?.();
+        change?.catch(() => {});  // the browser does not want to, and says so itself
     }
     #label() {
         this.#icon.setAttribute('d', this.#paused ? 'M3 2v12l10-6z' : 'M3 2h4v12H3zM9 2h4v12H9z');
