@@ -37,7 +37,7 @@ function renderViews() {
             frames: [{transform_matrix: [0, 1, 2].map(axis => [x[axis], y[axis], z[axis], eye[axis]]).concat([[0, 0, 0, 1]])}]}));
         run(['render', stream, '-o', path.join(folder, image), '--camera', camera, '--frames', String(frame), '--background',
              'white', '--samples', '1', '--direct', '--overwrite']);  // what each ray sees
-        views.push({frame, eye, target, image: `/work/${image}`});
+        views.push({frame, eye, target, image: `/views/${image}`});
     }
     fs.writeFileSync(path.join(folder, 'views.json'), JSON.stringify({stream: '/stream.nvs', width, height, angle: kAngle, views}));
     return frames;
@@ -55,7 +55,7 @@ const kTypes = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/cs
 const kPolicy = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; worker-src 'self'; img-src 'self'";
 
 function file(name) {
-    const roots = [['/test/', here], ['/work/', folder], ['/', built]];
+    const roots = [['/test/', here], ['/views/', folder], ['/', built]];
     const [prefix, root] = roots.find(([start]) => name.startsWith(start));
     const found = path.join(root, path.normalize('/' + name.slice(prefix.length)));
     return fs.existsSync(found) && fs.statSync(found).isFile() ? fs.readFileSync(found) : null;

@@ -114,7 +114,7 @@ async function useElement(stream) {
 }
 
 try {
-    const plan = await (await fetch('/work/views.json')).json();
+    const plan = await (await fetch('/views/views.json')).json();
     await compareViews(plan);
     await useElement(plan.stream);
 } catch (error) {
