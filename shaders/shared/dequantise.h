@@ -1,4 +1,5 @@
-// dequantise.comp: what stream/codec/quantised_slice.h calls a slice's planes, as the entries of a slice tree.
+// dequantise.comp: from the planes of a slice in whole numbers (stream/codec/quantised_slice.h) to the entries of a
+// slice tree (slice_tree.h).
 #ifndef NEUVV_SHARED_DEQUANTISE_H
 #define NEUVV_SHARED_DEQUANTISE_H
 #include "shared/slice_tree.h"

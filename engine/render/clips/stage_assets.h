@@ -64,9 +64,8 @@ class StageLoader {
     explicit StageLoader(const gpu::Device& device, PaintSource paint = {}, SolidParts solid = SolidParts::kNo);
 
     // Of a segmented clip of which nothing is on the device, the first segment is read, and of the others their headers
-    // alone. Throws InputError for a
-    // file that cannot be read, for a segmented clip of which no segment can be, and for paint of another clip;
-    // RuntimeFailure where the device has no memory.
+    // alone. Throws InputError for a file that cannot be read, for a segmented clip of which no segment can be, and for
+    // paint of another clip; RuntimeFailure where the device has no memory.
     StageAssets load(const stage::Stage& stage, const Loaded& loaded = {});
     // What it reads clips with: what is read by others beforehand and still in use is not read again.
     const std::shared_ptr<ClipFiles>& files() const { return files_; }

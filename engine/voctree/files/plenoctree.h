@@ -20,8 +20,8 @@ enum class UpAxis { kZ, kY };
 // transforms.json are (interchange/camera/transforms.h). A = (1), and w^σ is the file's σ; its unit is 1/m, as the
 // file's unit of length is taken to be metres. γ = π/2 in all leaves, and of the colour weights only w_llm = k_lm /
 // R_ll(π/2) differ from 0, so that k are the SH coefficients of the slice; svox' Y_lm are those of sh.glsl times
-// (−1)^m. Leaves of σ ≤ 0 are left out; a σ above kMaxHalf becomes that, which is as opaque. Reading takes about five
-// times the memory of the array `data`.
+// (−1)^m. Leaves of σ ≤ 0 are left out; a σ above kMaxHalf becomes that, which is as opaque. Reading takes about seven
+// times the memory of the array `data` where that is fp16 of degree 1.
 //
 // Accepted formats are SH1, SH4, SH9, SH16 and RGBA, in fp16, in fp32, or quantised by volrend's compress_octree.py.
 // Throws InputError for other formats, trees in NDC, leaves deeper than 2·kMaxNodeLevels, trees of which all leaves are
