@@ -1,6 +1,7 @@
 // What the player shows, in a browser: each view of views.json against the image that NeuVV rendered, and the element.
 import {FrameReader} from '/frames.js';
-import {lookAt, Renderer} from '/renderer.js';
+import {lookAt, multiply, perspective} from '/matrices.js';
+import {Renderer} from '/renderer.js';
 
 const results = {};
 
@@ -38,7 +39,12 @@ async function compareViews({stream, width, height, angle, views}) {
         const begin = performance.now();
         const tree = await reader.tree(frame), decoded_ms = performance.now() - begin;
         renderer.show(tree);
-        const draw = () => renderer.draw(lookAt(eye, target, angle, width, height), [1, 1, 1, 1]);
+        const clipFromTree = multiply(perspective(angle, width / height, 0.01), lookAt(eye, target)), white = [1, 1, 1, 1];
+        const draw = () => {
+            renderer.gl.viewport(0, 0, width, height);
+            renderer.clear(white);
+            renderer.draw([...eye, 1], clipFromTree, white);
+        };
         const image_ms = millisecondsOf(canvas, draw);
         draw();
         const png = canvas.toDataURL('image/png'), truth = new Image();

@@ -99,6 +99,8 @@ export class FrameReader {
         const {boxMin, boxSize} = this.frames[frame].group;
         return {...await result, boxMin, boxSize};
     }
+    /** Whether all bytes of a frame have come. */
+    isFetched(frame) { return this.frames[frame].parts.every(({begin, bytes}) => this.#source.has(begin, bytes)); }
     end() {
         this.#source.cancel();
         for (const decoder of this.#decoders) decoder.end();

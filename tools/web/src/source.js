@@ -9,7 +9,7 @@ const isPassing = status => status === 429 || status >= 500;
 
 /** Reads ranges of a file in blocks of 16 KiB, of which it keeps 64 MiB. A request that fails is made four times. */
 export class RangeSource {
-    #url; #blocks = new Map(); #stop = new AbortController();
+    #url; #blocks = new Map(); #come = new Set(); #stop = new AbortController();
     size = Infinity;     // of the file, where its server says so
     readsAhead = false;  // whether at least 64 KiB are asked for at a time
     constructor(url) { this.#url = url; }
@@ -26,6 +26,12 @@ export class RangeSource {
         }
         return result;
     }
+    /** Whether [begin, begin + bytes) has come and is kept. */
+    has(begin, bytes) {
+        for (let block = Math.floor(begin / kBlock); block * kBlock < begin + bytes; ++block)
+            if (!this.#come.has(block)) return false;
+        return true;
+    }
     /** The first bytes, at most 16 KiB. */
     begin() { return this.#request(0, 0)[0]; }
     cancel() { this.#stop.abort(); }
@@ -41,14 +47,16 @@ export class RangeSource {
             for (let i = block; i < end; ++i) {
                 const from = (i - block) * kBlock;
                 const one = fetched.then(bytes => bytes.slice(from, from + kBlock));
-                one.catch(() => this.#blocks.delete(i));  // it may come when it is asked for again
+                one.then(() => this.#come.add(i), () => this.#blocks.delete(i));  // it may come when it is asked for again
                 this.#blocks.set(i, one);
             }
         }
         const wanted = Array.from({length: last - first + 1}, (_, i) => this.#blocks.get(first + i));
         for (const block of this.#blocks.keys()) {
             if (this.#blocks.size <= kMostKept) break;
-            if (block < first || block > last) this.#blocks.delete(block);
+            if (block >= first && block <= last) continue;
+            this.#blocks.delete(block);
+            this.#come.delete(block);
         }
         return wanted;
     }

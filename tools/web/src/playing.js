@@ -1,0 +1,219 @@
+// Plays a stream: a clock with the names and events of HTMLMediaElement, and the frames around its time.
+import {FrameReader} from './frames.js';
+import {Sound} from './sound.js';
+
+const kFirstParts = 2;         // of a frame before any other is shown: its shape, and colours without harmonics
+const kAhead = 4;              // frames that are asked for before they are due
+const kMostStep = 250;         // milliseconds; a page that was hidden goes on where it was
+
+/** What HTMLMediaElement calls TimeRanges, of [begin, end) in seconds. */
+class Ranges {
+    #ranges;
+    constructor(ranges) { this.#ranges = ranges; }
+    get length() { return this.#ranges.length; }
+    start(i) { return this.#ranges[i][0]; }
+    end(i) { return this.#ranges[i][1]; }
+}
+
+/** Adds all that to a class of EventTargets, which has the property `loop`. */
+export const playing = Base => class extends Base {
+    #reader = null; #opening = 0; #trees = new Map(); #shown = -1; #isPartial = false;
+    #time = 0; #paused = true; #rate = 1; #last = null; #told = -1;
+    #seeking = false; #hasData = false; #isWaiting = false; #ended = false;
+    #sound = new Sound(() => this.#tell('volumechange'));
+    /** What was wrong last: an Error, or null. */
+    error = null;
+
+    get paused() { return this.#paused; }
+    get ended() { return this.#ended; }
+    get seeking() { return this.#seeking; }
+    /** Seconds; NaN while it is not known. */
+    get duration() { return this.#reader ? this.#reader.frames.length / this.#reader.fps : NaN; }
+    get playbackRate() { return this.#rate; }
+    set playbackRate(rate) {
+        if (!(rate > 0 && rate <= 16)) throw new RangeError('playbackRate must be above 0 and at most 16');
+        this.#rate = rate;
+        this.#tell('ratechange');
+    }
+    get currentTime() { return this.#time; }
+    set currentTime(seconds) {
+        if (!Number.isFinite(seconds)) throw new TypeError('currentTime must be a number of seconds');
+        this.#time = Math.max(0, Math.min(seconds, this.#end()));
+        this.#seeking = true;
+        this.#ended = false;
+        this.#tell('seeking');
+    }
+    /** HTMLMediaElement's: 0 nothing, 1 the head is known, 2 the frame of this time is there, 4 those after it, too. */
+    get readyState() {
+        if (!this.#reader) return 0;
+        const frame = this.#frameOf(this.#time);
+        if (!this.#isThere(frame)) return 1;
+        return this.#isThere(Math.min(frame + 1, this.#reader.frames.length - 1)) ? 4 : 2;
+    }
+    /** The times whose frames have been fetched. */
+    get buffered() {
+        const ranges = [], fps = this.#reader?.fps;
+        for (const [frame] of (this.#reader?.frames ?? []).entries()) {
+            if (!this.#reader.isFetched(frame)) continue;
+            if (ranges.at(-1)?.[1] === frame / fps) ranges.at(-1)[1] = (frame + 1) / fps;
+            else ranges.push([frame / fps, (frame + 1) / fps]);
+        }
+        return new Ranges(ranges);
+    }
+    /** Of its sound, 0 to 1. */
+    get volume() { return this.#sound.volume; }
+    set volume(volume) {
+        if (!(volume >= 0 && volume <= 1)) throw new RangeError('volume must be from 0 to 1');
+        this.#sound.volume = volume;
+        this.#tell('volumechange');
+    }
+    get muted() { return this.#sound.muted; }
+    set muted(on) {
+        this.#sound.muted = Boolean(on);
+        this.#tell('volumechange');
+    }
+    get hasSound() { return this.#sound.isThere; }
+    /** Around all that is shown, metres: {min, max}; null while that is not known. */
+    get box() { return this.#reader?.box ?? null; }
+
+    /** Returns a promise, as HTMLMediaElement's does. Frames that could not be read are asked for again. */
+    async play() {
+        if (!this.#paused) return;
+        for (const [frame, one] of this.#trees)
+            if (one.error) this.#trees.delete(frame);
+        if (this.#reader) this.error = null;
+        if (this.#time >= this.#end() && !this.loop) this.#time = 0;
+        this.#paused = this.#ended = false;
+        this.#isWaiting = true;  // `playing` comes with the first frame
+        this.#last = null;
+        this.#tell('play');
+    }
+    pause() {
+        if (this.#paused) return;
+        this.#paused = true;
+        this.#sound.follow(this.#time, 0);
+        this.#tell('pause');
+    }
+    /** Goes so many frames on, or back, and pauses. */
+    step(frames = 1) {
+        if (!this.#reader) return;
+        this.pause();
+        this.currentTime = (this.#frameOf(this.#time) + frames + 0.5) / this.#reader.fps;
+    }
+
+    /** Opens the stream at an address, and ends the one before. `soundUrl`: of what is heard with it, or null. */
+    async open(url, soundUrl) {
+        this.close();
+        const opening = this.#opening;
+        try {
+            const reader = await FrameReader.open(url);
+            if (opening !== this.#opening) return reader.end();
+            this.#reader = reader;
+            this.#sound.open(soundUrl);
+            this.#tell('durationchange');
+            this.#tell('loadedmetadata');
+        } catch (error) {
+            if (opening === this.#opening) this.fail(error);
+        }
+    }
+    close() {
+        ++this.#opening;  // what is being opened is dropped when it is there
+        this.#reader?.end();
+        this.#reader = null;
+        this.#sound.end();
+        this.#trees.clear();
+        this.#shown = this.#told = -1;
+        this.#time = 0;
+        this.#hasData = this.#seeking = this.#isWaiting = this.#ended = false;
+        this.error = null;
+        this.#tell('emptied');
+    }
+    /** Stops, and says why by the event `error`. */
+    fail(error) {
+        this.pause();
+        this.error = error;
+        this.dispatchEvent(new ErrorEvent('error', {error, message: error.message}));
+    }
+    /** Moves the clock on to `now`, milliseconds. Returns the slice tree that is to be shown from now on; null: it stays. */
+    tick(now) {
+        if (!this.#reader) return null;
+        this.#advance(now);
+        this.#request();
+        return this.#takenFrame();
+    }
+    /** What was shown last is lost: tick() returns it once more. */
+    forgetShown() {
+        this.#trees.clear();
+        this.#shown = -1;
+    }
+    /** Where the sound comes from, metres, as who hears it sees it: right, up and back. */
+    hearFrom(place) { this.#sound.place(place); }
+
+    #tell(name) { this.dispatchEvent(new Event(name)); }
+    #frameOf(seconds) { return Math.min(Math.floor(seconds * this.#reader.fps), this.#reader.frames.length - 1); }
+    // The last time at which the last frame is shown.
+    #end() { return this.#reader ? (this.#reader.frames.length - 0.001) / this.#reader.fps : 0; }
+    #isThere(frame) { return frame === this.#shown || Boolean(this.#trees.get(frame)?.tree); }
+
+    // Moves the clock on, but not while its frame is missing.
+    #advance(now) {
+        const passed = Math.min(now - (this.#last ?? now), kMostStep);
+        this.#last = now;
+        if (this.#paused) return;
+        if (this.#isWaiting !== this.readyState < 2) {
+            this.#isWaiting = !this.#isWaiting;
+            this.#tell(this.#isWaiting ? 'waiting' : 'playing');
+        }
+        this.#sound.follow(this.#time, this.#isWaiting ? 0 : this.#rate);
+        if (this.#isWaiting) return;
+        this.#time += passed / 1000 * this.#rate;
+        if (this.#time < this.#end()) return;
+        if (this.loop) {
+            this.#time %= this.duration;
+        } else {
+            this.#time = this.#end();
+            this.#ended = true;
+            this.pause();
+            this.#tell('ended');
+        }
+    }
+    // Asks for the frame of this time and those after it, and forgets all others.
+    #request() {
+        const count = this.#reader.frames.length, first = this.#frameOf(this.#time), wanted = new Set();
+        for (let i = 0; i <= Math.min(kAhead, count - 1); ++i)
+            if (this.loop || first + i < count) wanted.add((first + i) % count);
+        for (const frame of this.#trees.keys())
+            if (!wanted.has(frame)) this.#trees.delete(frame);
+        const reader = this.#reader;
+        for (const frame of wanted) {
+            if (this.#shown < 0 && frame !== first) break;  // nothing else comes before the first picture
+            if ((frame === this.#shown && !this.#isPartial) || this.#trees.has(frame)) continue;
+            const isPartial = this.#shown < 0 && reader.frames[frame].isKey, one = {tree: null, error: null, isPartial};
+            this.#trees.set(frame, one);
+            reader.tree(frame, isPartial ? kFirstParts : undefined).then(tree => one.tree = tree, error => one.error = error);
+        }
+    }
+    #takenFrame() {
+        const frame = this.#frameOf(this.#time), one = this.#trees.get(frame);
+        if (one?.error && one.error !== this.error) this.fail(one.error);  // once, until play() tries again
+        if (one?.tree) {
+            this.#trees.delete(frame);
+            this.#shown = frame;
+            this.#isPartial = one.isPartial;
+            if (!this.#hasData) {
+                this.#hasData = true;
+                this.#tell('loadeddata');
+                this.#tell('canplay');
+            }
+        }
+        if (this.#seeking && frame === this.#shown) {
+            this.#seeking = false;
+            this.#tell('seeked');
+        }
+        if (this.#told !== this.#time) {
+            this.#told = this.#time;
+            this.#tell('timeupdate');
+        }
+        return one?.tree ?? null;
+    }
+};

@@ -1,0 +1,67 @@
+// The sound of a stream, which follows its clock and comes from where the performer is.
+
+const kMostApart = 0.04;  // seconds that sound and picture may be apart
+const kUsualDistance = 2;  // metres at which it is as loud as its file: kUsualDistance_m of engine/stage/sound/pan.h
+
+export class Sound {
+    #audio = null; #context = null; #panner = null; #volume = 1; #muted = false; #isBlocked = false; #changed;
+    /** `changed`: is called when it is known whether there is a sound. */
+    constructor(changed) { this.#changed = changed; }
+
+    get isThere() { return this.#audio?.readyState > 0; }
+
+    get volume() { return this.#volume; }
+    set volume(volume) {
+        this.#volume = volume;
+        if (this.#audio) this.#audio.volume = volume;
+    }
+    get muted() { return this.#muted; }
+    set muted(on) {
+        this.#muted = on;
+        if (this.#audio) this.#audio.muted = on;
+    }
+    /** Opens the sound at an address; null: there is none. One that cannot be read is silent. */
+    open(url) {
+        this.end();
+        if (!url) return;
+        this.#audio = Object.assign(new Audio(), {crossOrigin: 'anonymous', preload: 'auto', volume: this.#volume, muted: this.#muted, src: url});
+        this.#audio.onloadedmetadata = this.#changed;
+    }
+    /** It is heard from `time`, seconds, on, so many times as fast; 0: not. */
+    follow(time, rate) {
+        const audio = this.#audio;
+        if (!audio || audio.error) return;
+        if (rate === 0 || time >= audio.duration) return audio.pause();
+        audio.playbackRate = Math.max(1 / 16, rate);
+        if (!audio.seeking && Math.abs(audio.currentTime - time) > kMostApart) audio.currentTime = time;
+        if (audio.paused && !this.#mustWait()) this.#begin();
+    }
+    /** Where it comes from, metres: right of, above and behind who hears it. */
+    place([right, up, back]) {
+        if (!this.#panner) return;
+        this.#panner.positionX.value = right;
+        this.#panner.positionY.value = up;
+        this.#panner.positionZ.value = back;
+    }
+    end() {
+        this.#audio?.pause();
+        this.#audio?.removeAttribute('src');  // which ends its request
+        this.#audio = this.#panner = null;
+        this.#context?.close();
+        this.#context = null;
+    }
+
+    // Browsers let no page be heard before somebody has touched it.
+    #mustWait() { return this.#isBlocked && !navigator.userActivation?.hasBeenActive; }
+    #begin() {
+        this.#isBlocked = false;
+        this.#audio.play().then(() => this.#spread(), error => this.#isBlocked = error.name === 'NotAllowedError');
+    }
+    #spread() {
+        if (this.#context || !this.#audio) return void this.#context?.resume();
+        this.#context = new AudioContext();
+        this.#panner = new PannerNode(this.#context, {panningModel: 'HRTF', distanceModel: 'inverse', refDistance: kUsualDistance, positionZ: -1});
+        this.#context.createMediaElementSource(this.#audio).connect(this.#panner).connect(this.#context.destination);
+        this.#context.resume();
+    }
+}
