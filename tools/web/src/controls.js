@@ -1,7 +1,8 @@
-// The bar of a player: play, time line with what is buffered, sound, full screen.
+// The bar of a player: play, time line with what is buffered, sound, headset, full screen.
 
 const kIcons = {play: 'M3 2v12l10-6z', pause: 'M3 2h4v12H3zM9 2h4v12H9z', whole: 'M2 6V2h4v1.5H3.5V6zM10 2h4v4h-1.5V3.5H10zM14 10v4h-4v-1.5h2.5V10zM6 14H2v-4h1.5v2.5H6z',
-                loud: 'M2 6h3l4-4v12l-4-4H2zM11 4a5 5 0 0 1 0 8V10a3 3 0 0 0 0-4z', silent: 'M2 6h3l4-4v12l-4-4H2zM11 6l1-1 4 5-1 1zM15 5l1 1-4 5-1-1z'};
+                loud: 'M2 6h3l4-4v12l-4-4H2zM11 4a5 5 0 0 1 0 8V10a3 3 0 0 0 0-4z', silent: 'M2 6h3l4-4v12l-4-4H2zM11 6l1-1 4 5-1 1zM15 5l1 1-4 5-1-1z',
+                headset: 'M1 4h14v8h-5l-2-3-2 3H1zM3 6v2h3V6zM10 6v2h3V6z'};
 
 export const kControlsStyle = `
 .bar { position: absolute; inset: auto 0 0 0; display: flex; gap: .5em; align-items: center; padding: .4em; background: #0008; color: #fff; font: 14px sans-serif; }
@@ -36,6 +37,9 @@ export class Controls {
         this.#volume = add(this.#bar, 'input', {type: 'range', className: 'volume', min: 0, max: 1, step: 0.05,
                                                 oninput: () => { player.volume = Number(this.#volume.value); }});
         this.#volume.setAttribute('aria-label', 'volume');
+        const headset = this.#button(() => player.enterXR().catch(error => player.fail(error)), 'headset', 'enter the headset');
+        headset.hidden = true;
+        navigator.xr?.isSessionSupported('immersive-vr').then(is => headset.hidden = !is, () => {});
         this.#button(fillScreen, 'whole', 'full screen');
         for (const name of ['play', 'pause', 'volumechange', 'timeupdate', 'loadedmetadata', 'emptied']) player.addEventListener(name, () => this.#show());
         this.#show();

@@ -4,6 +4,7 @@ import {Orbit} from './orbit.js';
 import {playing} from './playing.js';
 import {Renderer} from './renderer.js';
 import {loadedWalk} from './walk.js';
+import {Immersion} from './xr.js';
 
 const kMostDensity = 2;        // rays across and down of a pixel of the page
 const kStill = 300;            // milliseconds after which a picture that does not change gets more rays
@@ -22,7 +23,7 @@ canvas { cursor: grab; outline-offset: -2px; }
 export class NeuvvPlayer extends playing(HTMLElement) {
     static observedAttributes = ['src', 'sound', 'controls', 'poster', 'muted'];
     #canvas; #poster; #problem; #controls; #sizes; #orbit;
-    #renderer = null; #opening = 0; #frameRequest = 0; #due = true; #changed = 0;
+    #renderer = null; #opening = 0; #immersion = null; #frameRequest = 0; #due = true; #changed = 0;
 
     constructor() {
         super();
@@ -53,10 +54,36 @@ export class NeuvvPlayer extends playing(HTMLElement) {
     get controls() { return this.hasAttribute('controls'); }
     set controls(on) { this.toggleAttribute('controls', on); }
 
+    /**
+     * Shows the performer in a headset; `mode`: 'immersive-vr' or 'immersive-ar'. A browser allows it only while it handles a
+     * click or a key. The promise rejects where there is no headset, or while nothing is shown.
+     */
+    async enterXR(mode = 'immersive-vr') {
+        if (this.#immersion) return;
+        if (!navigator.xr) throw new Error('this browser has no WebXR; headsets need a page that comes by https');
+        if (!this.#renderer || !this.box) throw new Error('there is nothing to be shown yet');
+        const immersion = new Immersion(this.#renderer, this);
+        this.#immersion = immersion;
+        try {
+            await immersion.begin(mode, time => this.#take(time));
+            cancelAnimationFrame(this.#frameRequest);
+            this.dispatchEvent(new Event('enterxr'));
+            immersion.ended.then(() => {
+                this.#immersion = null;
+                this.dispatchEvent(new Event('leavexr'));
+                if (this.#renderer) this.#schedule();
+                this.#due = true;
+            });
+        } catch (error) {
+            this.#immersion = null;
+            throw error;
+        }
+    }
     /** Ends all that runs, and frees what it has, as removing it from the page does. A new `src` begins anew. */
     dispose() {
         cancelAnimationFrame(this.#frameRequest);
         ++this.#opening;
+        this.#immersion?.leave();
         this.close();
         this.#renderer?.end();
         this.#renderer = null;
@@ -87,7 +114,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
             if (opening !== this.#opening) return;
             this.#renderer ??= new Renderer(this.#canvas, walk);
             this.#sizes.observe(this.#canvas);
-            this.#schedule();
+            if (!this.#immersion) this.#schedule();
             await this.open(new URL(this.src, document.baseURI), this.#soundUrl());
             if (opening === this.#opening && this.readyState > 0 && this.autoplay) this.play();
         } catch (error) {
