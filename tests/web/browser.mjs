@@ -8,7 +8,7 @@ import path from 'node:path';
 const kMost_s = 240;
 const kTypes = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm', '.json': 'application/json',
                 '.png': 'image/png', '.gltf': 'model/gltf+json'};
-const kPolicy = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; worker-src 'self'; img-src 'self'";
+const kPolicy = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; worker-src 'self'; img-src 'self'; media-src 'self'";
 
 // The file of the first root whose prefix a name begins with; null: there is none.
 function file(name, roots) {
@@ -31,17 +31,17 @@ function answer(request, response, name, content) {
 
 /**
  * What a page posts: {results, asked, missing}; `results` has `problem` where nothing came. `roots`: [prefix of names,
- * folder]; `sent`: bytes by name, before those; `asked`: names of requests that were answered, `missing`: of the others.
+ * folder]; `sent`: bytes by name, before those; `answers`: functions by name, which make the answer of what is posted there; `asked`: names of requests that were answered, `missing`: of the others.
  */
-export async function resultsOf({page, roots, sent = {}}) {
+export async function resultsOf({page, roots, sent = {}, answers = {}}) {
     let finish, log = '';
     const finished = new Promise(resolve => finish = resolve), asked = [], missing = [];
     const server = http.createServer((request, response) => {
-        const name = new URL(request.url, 'http://x').pathname;
-        if (name === '/results') {
+        const name = new URL(request.url, 'http://x').pathname, reply = name === '/results' ? finish : answers[name];
+        if (reply) {
             let body = '';
-            request.on('data', part => body += part).on('end', () => finish(JSON.parse(body)));
-            return response.end();
+            request.on('data', part => body += part).on('end', () => response.end(reply(JSON.parse(body))));
+            return;
         }
         const content = sent[name] ?? file(name, roots);
         (content ? asked : missing).push(name);
@@ -50,7 +50,8 @@ export async function resultsOf({page, roots, sent = {}}) {
     await new Promise(resolve => server.listen(0, '127.0.0.1', resolve));
     const profile = fs.mkdtempSync(path.join(os.tmpdir(), 'neuvv-chromium-'));
     const browser = spawn('chromium', ['--headless=new', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-        '--disable-dev-shm-usage', `--user-data-dir=${profile}`, '--no-first-run', `http://127.0.0.1:${server.address().port}${page}`],
+        '--disable-dev-shm-usage', `--user-data-dir=${profile}`, '--no-first-run',
+        '--autoplay-policy=no-user-gesture-required', `http://127.0.0.1:${server.address().port}${page}`],
         {stdio: ['ignore', 'ignore', 'pipe'], detached: true});  // a group of its own, which is ended as a whole
     browser.stderr.on('data', text => log += text);
     browser.on('exit', code => finish({problem: `chromium ended with ${code}\n${log}`}));

@@ -1,5 +1,5 @@
-// A performer in a page: the ray of each pixel that the box of its leaves covers, through a slice tree, in OpenGL ES 3.0
-// (`build` translates it). Writes premultiplied light, and the depth at which the ray's light comes from on average.
+// A performer in a page: the ray of each pixel that the box of its leaves covers, through a slice tree, in OpenGL ES
+// 3.0 (`build` translates it). Writes premultiplied light, and the mean depth from which the ray's light comes.
 // Bound by the walk, as trace_tree.comp is.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -27,7 +27,8 @@ READ_ARRAY(uvec2, 2, entries);
 
 layout(push_constant) uniform Push {
     vec4 eye;  // metres; w = 0: rays are parallel, and come from this direction, of length 1
-    vec4 corner, right, up;  // pixel (x, y) from the bottom left is on the near plane at w·eye + corner + x·right + y·up
+    // Pixel (x, y) from the bottom left is on the near plane at w·eye + corner + x·right + y·up.
+    vec4 corner, right, up;
     vec4 box_min, box_size;  // metres
     vec4 background;         // linear RGB, alpha
     mat4 clip_from_tree;     // metres in the box's coordinates to gl_Position
@@ -51,7 +52,8 @@ void main() {
     const vec3 direction = isPerspective ? normalize(at) : -push.eye.xyz, origin = isPerspective ? push.eye.xyz : at;
     sample_begin(direction, 0u);
     Composite sum = composite_begin();
-    March march = march_begin((origin - push.box_min.xyz) / push.box_size.xyz, direction / push.box_size.xyz, vec2(0.0, 1e30));
+    March march = march_begin((origin - push.box_min.xyz) / push.box_size.xyz, direction / push.box_size.xyz,
+                              vec2(0.0, 1e30));
     MarchInterval part;
     while (sum.transmittance >= push.stop && march_enter(march))
         while (sum.transmittance >= push.stop && march_leaf(march, part))

@@ -4,6 +4,7 @@ import {Sound} from './sound.js';
 
 const kFirstParts = 2;         // of a frame before any other is shown: its shape, and colours without harmonics
 const kAhead = 4;              // frames that are asked for before they are due
+const kPull = 0.2;             // of the way to where the sound is, an image
 const kMostStep = 250;         // milliseconds; a page that was hidden goes on where it was
 
 /** What HTMLMediaElement calls TimeRanges, of [begin, end) in seconds. */
@@ -164,9 +165,10 @@ export const playing = Base => class extends Base {
             this.#isWaiting = !this.#isWaiting;
             this.#tell(this.#isWaiting ? 'waiting' : 'playing');
         }
-        this.#sound.follow(this.#time, this.#isWaiting ? 0 : this.#rate);
+        const heard = this.#sound.follow(this.#time, this.#isWaiting ? 0 : this.#rate);
         if (this.#isWaiting) return;
-        this.#time += passed / 1000 * this.#rate;
+        const next = this.#time + passed / 1000 * this.#rate;
+        this.#time = Math.max(this.#time, heard === null ? next : next + kPull * (heard - next));
         if (this.#time < this.#end()) return;
         if (this.loop) {
             this.#time %= this.duration;

@@ -1,6 +1,7 @@
-// The sound of a stream, which follows its clock and comes from where the performer is.
+// The sound of a stream, which comes from where the performer is. Small differences between it and the picture are the
+// picture's to make up for: it can wait unnoticed.
 
-const kMostApart = 0.04;  // seconds that sound and picture may be apart
+const kMostApart = 0.25;  // seconds; what is farther from the picture's time begins anew there
 const kUsualDistance = 2;  // metres at which it is as loud as its file: kUsualDistance_m of engine/stage/sound/pan.h
 
 export class Sound {
@@ -27,14 +28,22 @@ export class Sound {
         this.#audio = Object.assign(new Audio(), {crossOrigin: 'anonymous', preload: 'auto', volume: this.#volume, muted: this.#muted, src: url});
         this.#audio.onloadedmetadata = this.#changed;
     }
-    /** It is heard from `time`, seconds, on, so many times as fast; 0: not. */
+    /** It is heard from `time`, seconds, on, so many times as fast; 0: not. Returns where it is, where it runs and is near; else null. */
     follow(time, rate) {
         const audio = this.#audio;
-        if (!audio || audio.error) return;
-        if (rate === 0 || time >= audio.duration) return audio.pause();
+        if (!audio || audio.error) return null;
+        if (rate === 0 || time >= audio.duration) {
+            audio.pause();
+            return null;
+        }
         audio.playbackRate = Math.max(1 / 16, rate);
-        if (!audio.seeking && Math.abs(audio.currentTime - time) > kMostApart) audio.currentTime = time;
         if (audio.paused && !this.#mustWait()) this.#begin();
+        if (audio.seeking) return null;
+        if (Math.abs(audio.currentTime - time) > kMostApart) {
+            audio.currentTime = time;
+            return null;
+        }
+        return audio.paused ? null : audio.currentTime;
     }
     /** Where it comes from, metres: right of, above and behind who hears it. */
     place([right, up, back]) {

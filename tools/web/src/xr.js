@@ -5,13 +5,13 @@ import {inverse, multiply, placement, transformed} from './matrices.js';
 
 const kAhead = 2;                       // metres from who wears the headset to the performer
 const kNear = 0.05, kFar = 100;         // metres
-const kTap_ms = 400, kTap_m = 0.03;     // a press that is shorter, of a hand that moves less, plays or pauses
+const kTap_ms = 1000, kTap_m = 0.03;    // a press that is shorter, of a hand that moves less, plays or pauses
 const kReach = 10;                      // metres of a pointer that hits nothing
 const kLeastScale = 0.1, kMostScale = 10;  // of the performer
 const kLeastRays = 0.4, kFewerRays = 0.9, kMoreRays = 1.02;  // across an eye: the least share; by which it changes
 const kLate = 1.3, kSmoothed = 0.05;    // an image that takes so many times as long as planned is late; the share of a new image in the mean
-const kFloor = [0.09, 0.1, 0.12, 1];    // linear, of the room around
-const kPointer = [0.25, 0.3, 0.35, 1], kPointerAtPerformer = [0.2, 0.7, 1, 1], kGrid = [0.18, 0.2, 0.24, 1];
+const kRoom = [0.008, 0.009, 0.012, 1];  // linear, of what is around
+const kPointer = [0.25, 0.3, 0.35, 1], kPointerAtPerformer = [0.2, 0.7, 1, 1], kGrid = [0.22, 0.24, 0.28, 1];
 
 const add = (a, b) => a.map((value, i) => value + b[i]);
 const subtract = (a, b) => a.map((value, i) => value - b[i]);
@@ -33,7 +33,8 @@ function distanceTo({min, max}, from, along) {
 // The squares of a floor, 10 × 10 of 1 m.
 function floorLines() {
     const ends = [];
-    for (let i = -5; i <= 5; ++i) ends.push(i, 0, -5, i, 0, 5, -5, 0, i, 5, 0, i);
+    for (let i = -5; i <= 5; ++i)
+        for (let j = -5; j < 5; ++j) ends.push(i, 0, j, i, 0, j + 1, j, 0, i, j + 1, 0, i);
     return ends;
 }
 
@@ -98,7 +99,7 @@ export class Immersion {
         this.#player.hearFrom(transformed(pose.transform.inverse.matrix, middle).slice(0, 3));
         const pointers = this.#pointers(frame, treeFromWorld);
         gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
-        this.#renderer.clear(this.#isRoom ? kFloor : undefined);
+        this.#renderer.clear(this.#isRoom ? kRoom : undefined);
         for (const view of pose.views) {
             view.requestViewportScale?.(this.#rays);
             const {x, y, width, height} = layer.getViewport(view);

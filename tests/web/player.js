@@ -64,7 +64,31 @@ async function until(done) {
     while (!done()) await new Promise(resolve => setTimeout(resolve, 20));
 }
 
+// How long sound and picture, of a stream of some seconds, take to come within 40 ms and to stay there for 20 images, seconds.
+async function hear(player, sounds) {
+    const loaded = event(player, 'loadeddata');
+    player.src = '/slow.nvs';
+    await loaded;
+    player.currentTime = 1;
+    await player.play();
+    const begin = performance.now(), seconds = () => (performance.now() - begin) / 1000;
+    for (let together = 0; together < 20 && seconds() < 30;) {
+        await new Promise(requestAnimationFrame);
+        const sound = sounds.at(-1), apart = Math.abs(sound.currentTime - player.currentTime);
+        together = !sound.paused && !sound.seeking && apart <= 0.04 ? together + 1 : 0;
+    }
+    results.element.together_s = seconds();
+    player.pause();
+    results.element.isSilent = sounds.at(-1).paused;
+}
+
 async function useElement(stream) {
+    const sounds = [], NativeAudio = Audio;
+    window.Audio = function () {
+        sounds.push(new NativeAudio());
+        return sounds.at(-1);
+    };
+
     await import('/neuvv-player.js');
     const player = document.createElement('neuvv-player');
     player.loop = true;
@@ -103,7 +127,11 @@ async function useElement(stream) {
         player.src = url;
         return (await failed).message;
     };
-    results.element = {duration: whole, stepped, atEnd, problems: {}};
+    const {buffered} = player;
+    results.element = {duration: whole, stepped, atEnd, problems: {}, fetched_s: buffered.end(buffered.length - 1) - buffered.start(0)};
+    player.loop = true;
+    await hear(player, sounds);
+    player.loop = false;
     for (const url of ['/missing.nvs', '/empty.nvs', '/page.nvs', '/damaged.nvs', '/elsewhere.nvs', '/short.nvs', '/whole/stream.nvs'])
         results.element.problems[url] = await problem(url);
     const again = event(player, 'loadeddata');

@@ -1,5 +1,5 @@
 // The player in Debian's Chromium, without a GPU, against `neuvv render`: PSNR of six views; its element; bad streams.
-//   node tests/web/check.mjs NEUVV BUILT STREAM [FOLDER [WIDTHxHEIGHT]]
+//   node tests/web/player.mjs NEUVV BUILT STREAM [FOLDER [WIDTHxHEIGHT]]
 // BUILT: what tools/web/build made. FOLDER: where images are left. Exits with 1 where something is wrong.
 import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
@@ -49,11 +49,24 @@ damaged[40] ^= 1;
 const elsewhere = Buffer.from(bytes), headEnd = headBytes(bytes, Infinity) - 4;
 elsewhere[32 + 40] ^= 1;
 elsewhere.writeUInt32LE(crc32(elsewhere.subarray(0, headEnd)), headEnd);
-const kSent = {'/elsewhere.nvs': elsewhere, '/stream.nvs': bytes, '/whole/stream.nvs': bytes, '/empty.nvs': Buffer.alloc(0), '/damaged.nvs': damaged,
+// A tone of so many seconds, as a WAV file.
+function tone(seconds, rate = 16000) {
+    const wav = Buffer.alloc(44 + 2 * Math.round(seconds * rate));
+    for (const [at, text] of [[0, 'RIFF'], [8, 'WAVE'], [12, 'fmt '], [36, 'data']]) wav.write(text, at);
+    for (const [at, value] of [[4, wav.length - 8], [16, 16], [24, rate], [28, 2 * rate], [40, wav.length - 44]]) wav.writeUInt32LE(value, at);
+    for (const [at, value] of [[20, 1], [22, 1], [32, 2], [34, 16]]) wav.writeUInt16LE(value, at);
+    for (let i = 0; 44 + 2 * i < wav.length; ++i) wav.writeInt16LE(3000 * Math.sin(0.2 * i), 44 + 2 * i);
+    return wav;
+}
+// One that is so slow that it lasts for some seconds, and its sound.
+const slow = Buffer.from(bytes), slowFps = head.frames.length / 4;
+slow.writeFloatLE(slowFps, 20);
+slow.writeUInt32LE(crc32(slow.subarray(0, headEnd)), headEnd);
+const kSent = {'/slow.nvs': slow, '/slow.m4a': tone(4), '/stream.m4a': tone(head.frames.length / head.fps), '/elsewhere.nvs': elsewhere, '/stream.nvs': bytes, '/whole/stream.nvs': bytes, '/empty.nvs': Buffer.alloc(0), '/damaged.nvs': damaged,
                '/page.nvs': Buffer.from('<!DOCTYPE html><p>Sign in</p>'), '/short.nvs': bytes.subarray(0, bytes.length - 100)};
 const frames = renderViews();
 const roots = [['/test/', here], ['/views/', folder], ['/', built]];
-const {results, missing} = await resultsOf({page: '/test/page.html', roots, sent: kSent});
+const {results, missing} = await resultsOf({page: '/test/player.html', roots, sent: kSent});
 
 const wrong = [];
 const expect = (condition, text) => condition || wrong.push(text);
@@ -73,6 +86,10 @@ if (!results.problem) {
         expect(results.element.problems[url].includes(text), `${url}: "${results.element.problems[url]}" does not say "${text}"`);
     expect(results.other_view_db < kLeast_db - 10, 'another view passes, too');
     expect(results.element.atEnd, 'the player does not end');
+    console.log(`sound and picture come together after ${results.element.together_s.toFixed(1)} s`);
+    expect(results.element.together_s < 30, 'sound and picture stay apart');
+    expect(results.element.isSilent, 'a player that is paused sounds');
+    expect(results.element.fetched_s > 0.9 * results.element.duration, 'what has been fetched is not told');
     expect(results.element.recovers, 'the player does not recover');
     expect(results.element.duration > 0 && results.element.stepped > 0, 'the player does not step');
     const others = missing.filter(name => name !== '/missing.nvs');
