@@ -75,9 +75,10 @@ set_tests_properties(stream_vectors_in_python PROPERTIES LABELS cpu)
 add_test(NAME stream_vectors_in_webassembly COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/stream/webassembly/check)
 set_tests_properties(stream_vectors_in_webassembly PROPERTIES LABELS cpu SKIP_RETURN_CODE 77)
 
-# The player for browsers, where emscripten and Chromium are.
+# The player for browsers, where emscripten and Chromium are; performers in three.js, where that is, too.
 add_test(NAME web_player COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/web/check $<TARGET_FILE:neuvv>)
-set_tests_properties(web_player PROPERTIES LABELS gpu SKIP_RETURN_CODE 77)
+add_test(NAME web_three COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/web/check $<TARGET_FILE:neuvv> three)
+set_tests_properties(web_player web_three PROPERTIES LABELS gpu SKIP_RETURN_CODE 77)
 
 neuvv_test(media_test HOSTILE
   SOURCES

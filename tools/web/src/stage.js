@@ -72,9 +72,10 @@ async function begin() {
     const src = new URLSearchParams(location.search).get('src') ?? 'show.gltf';
     const gltf = await new GLTFLoader().register(parser => new NeuvvPerformerExtension(parser)).loadAsync(src)
         .catch(error => { throw new Error(`${src}: ${error.message}`); });
-    const renderer = makeRenderer(all), {scene} = gltf, {stage} = gltf.userData, {camera, target} = view(all, gltf);
+    const renderer = makeRenderer(all), scene = new all.three.Scene().add(gltf.scene), {stage} = gltf.userData, {camera, target} = view(all, gltf);
     const orbit = new OrbitControls(camera, renderer.domElement);
     orbit.target.copy(target);
+    scene.background = stage.background;
     const resize = () => {
         renderer.setSize(innerWidth, innerHeight);
         camera.aspect = innerWidth / innerHeight;

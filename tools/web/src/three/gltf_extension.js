@@ -12,8 +12,8 @@ const colourOf = value => Array.isArray(value) && value.length === 3 && value.ev
 
 /**
  * For GLTFLoader.register(): `parser => new NeuvvPerformerExtension(parser)`. A node that has a performer gets a
- * PerformerMesh, and `userData.stage` of what is loaded is the Stage that plays them. What a browser cannot show is named
- * in one warning on the console.
+ * PerformerMesh, and `userData.stage` of what is loaded is the Stage that plays them and has the background of the scene.
+ * What a browser cannot show is named in one warning on the console.
  */
 export class NeuvvPerformerExtension {
     name = kPerformer;
@@ -36,12 +36,11 @@ export class NeuvvPerformerExtension {
         return settings ? Promise.resolve(this.#performer(members(settings), node.name ?? `node ${index}`)) : null;
     }
     async afterRoot(gltf) {
-        const settings = this.#settings, background = colourOf(settings.background) ?? new Color(0);
-        gltf.scene.background = background;
+        const settings = this.#settings;
         this.#light(gltf.scene);
         for (const name of ['environment', 'cameraPath'])
             if (settings[name]) this.#omitted.push(`the stage's ${name}`);
-        gltf.userData.stage = new Stage(gltf, this.#performers, settings.duration);
+        gltf.userData.stage = new Stage(gltf, this.#performers, settings.duration, colourOf(settings.background) ?? new Color(0));
         if (this.#omitted.length > 0) console.warn(`NeuVV: a browser does not show ${this.#omitted.join('; ')}`);
     }
 

@@ -10,10 +10,12 @@ const kAround = 3;       // metres around performers in which directional lights
 export class Stage extends EventTarget {
     #performers; #mixer; #actions; #given; #scene; #time = 0; #last = null; #paused = true; #duration = 0; #muted = false; #volume = 1;
     loop = true;
+    background;  // a Color, for the scene in which the stage is
 
     /** `performers`: [{name, mesh, gain, time, spin_deg}], as NEUVV_performer has them. `duration`: seconds; else until the last of all ends. */
-    constructor(gltf, performers, duration) {
+    constructor(gltf, performers, duration, background) {
         super();
+        this.background = background;
         this.#scene = gltf.scene;
         this.#performers = performers.map(one => ({...one, map: null}));
         this.#mixer = new AnimationMixer(gltf.scene);
