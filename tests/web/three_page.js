@@ -105,6 +105,7 @@ async function compareLone() {
     expect(solid > 500 && solid < 0.5 * kWidth * kHeight, `${solid} pixels are solid`);
     results.psnr_db.canvas = psnr(shown, alpha, isSolid);
     await hideByBoxes(scene, camera, shown, isSolid);
+    scene.background = new THREE.Color(0xffffff);
     await compareEyes(scene, camera);
     await compareParallel(scene, camera);
     hitByRays(mesh, camera);
@@ -122,7 +123,6 @@ async function compareTurned(scene, stage, mesh, camera) {
     new THREE.Matrix4().fromArray(worldFromCamera).decompose(camera.position, camera.quaternion, camera.scale);
     camera.fov = THREE.MathUtils.radToDeg(angle);
     camera.updateProjectionMatrix();
-    scene.background = new THREE.Color(0xffffff);
     results.psnr_db.turned = await psnrOnceWhole(stage, 'turned', () => drawnLinearly(scene, camera), kLeast_db.turned);
     await drawn(scene, camera, 'turned');
     camera.position.x += 0.3;
@@ -170,7 +170,8 @@ async function compareParallel(scene, camera) {
     const middle = new THREE.Vector3(0.8, 0.3, 0.3), direction = middle.clone().sub(camera.position).normalize(), high = 1.6;
     const parallel = new THREE.OrthographicCamera(-high * kWidth / kHeight / 2, high * kWidth / kHeight / 2, high / 2, -high / 2, 0.1, 10);
     parallel.position.copy(middle).addScaledVector(direction, -4);
-    const distance = 400, far = new THREE.PerspectiveCamera(2 * THREE.MathUtils.radToDeg(Math.atan(high / 2 / distance)), kWidth / kHeight, distance - 5, distance + 5);
+    const distance = 400, angle = 2 * THREE.MathUtils.radToDeg(Math.atan(high / 2 / distance));
+    const far = new THREE.PerspectiveCamera(angle, kWidth / kHeight, distance - 5, distance + 5);
     far.position.copy(middle).addScaledVector(direction, -distance);
     for (const one of [parallel, far]) {
         one.lookAt(middle);
@@ -205,7 +206,8 @@ async function castShadows() {
         mesh.update(performance.now());
         return mesh.media.readyState >= 2;
     }, 'a performer');
-    const lights = {directional: new THREE.DirectionalLight(0xffffff, 2), spot: new THREE.SpotLight(0xffffff, 100, 0, 0.5), point: new THREE.PointLight(0xffffff, 60)};
+    const lights = {directional: new THREE.DirectionalLight(0xffffff, 2), spot: new THREE.SpotLight(0xffffff, 60, 0, 0.5),
+                    point: new THREE.PointLight(0xffffff, 30)};
     for (const [name, light] of Object.entries(lights)) {
         light.position.set(-1, 4, 1);
         scene.add(light);
@@ -222,8 +224,8 @@ async function castShadows() {
 
 // Known values of tests/stage/time_map_test.cpp, of ten frames.
 async function mapTimes() {
-    const kKnown = {'loop:2f:5f': [2, 3, 4, 2, 3, 4, 2], 'ping-pong:2f:5f': [2, 3, 4, 3, 2, 3, 4], 'jump:3f:7f': [0, 1, 2, 7, 8, 9, 9], 'speed:0.5,hold': [0, 0, 1, 1, 2],
-                    'loop:0:2f,speed:0.5,offset:2f': [0, 0, 0, 0.5, 1, 1, 0, 0.5], 'loop:0:0.08s': [0, 1, 0, 1], reverse: [9, 8, 7]};
+    const kKnown = {'loop:2f:5f': [2, 3, 4, 2, 3, 4, 2], 'ping-pong:2f:5f': [2, 3, 4, 3, 2, 3, 4], 'jump:3f:7f': [0, 1, 2, 7, 8, 9, 9],
+                    'speed:0.5,hold': [0, 0, 1, 1, 2], 'loop:0:2f,speed:0.5,offset:2f': [0, 0, 0, 0.5, 1, 1, 0, 0.5], 'loop:0:0.08s': [0, 1, 0, 1], reverse: [9, 8, 7]};
     for (const [text, known] of Object.entries(kKnown)) {
         const map = await TimeMap.of(text, 10, 25), frames = known.map((_, i) => map.frame(i / 25));
         expect(frames.every((frame, i) => Math.abs(frame - known[i]) < 1e-6), `${text} shows ${frames}`);

@@ -3,12 +3,14 @@ import {AmbientLight, Color, Group, LoaderUtils} from 'three';
 import {PerformerMesh} from './performer_mesh.js';
 import {Stage} from './stage.js';
 
-const kPerformer = 'NEUVV_performer', kStage = 'NEUVV_stage', kMostShadows = 4;  // lights with shadows: kMaxShadows of shaders/shared/lights.h
+const kPerformer = 'NEUVV_performer', kStage = 'NEUVV_stage';
+const kMostShadows = 4;  // lights that have them: kMaxShadows of shaders/shared/lights.h
 const kShadow = {bias: -0.0005, normalBias: 0.02};  // so that the set casts none on itself where lights graze it
 
 const members = value => value && typeof value === 'object' && !Array.isArray(value) ? value : {};
 const numberOr = (value, otherwise) => Number.isFinite(value) ? value : otherwise;
-const colourOf = value => Array.isArray(value) && value.length === 3 && value.every(part => part >= 0) ? new Color(...value) : null;  // linear, as three.js works
+// Linear, as three.js works; null where there is none.
+const colourOf = value => Array.isArray(value) && value.length === 3 && value.every(part => part >= 0) ? new Color(...value) : null;
 
 /**
  * For GLTFLoader.register(): `parser => new NeuvvPerformerExtension(parser)`. A node that has a performer gets a
@@ -28,7 +30,9 @@ export class NeuvvPerformerExtension {
     beforeRoot() {
         for (const [index, {uri}] of (this.#parser.json.buffers ?? []).entries()) {
             const [, base64] = /^data:[^,]*;base64,(.*)$/s.exec(uri ?? '') ?? [];
-            if (base64) this.#parser.cache.add(`buffer:${index}`, Promise.resolve(Uint8Array.from(atob(base64), letter => letter.charCodeAt(0)).buffer));
+            if (!base64) continue;
+            const bytes = Uint8Array.from(atob(base64), letter => letter.charCodeAt(0));
+            this.#parser.cache.add(`buffer:${index}`, Promise.resolve(bytes.buffer));
         }
     }
     createNodeAttachment(index) {

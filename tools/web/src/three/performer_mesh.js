@@ -37,7 +37,10 @@ export class PerformerMesh extends Mesh {
     media = new Media();
     opacity = 1;
 
-    /** `sound`: the address of what is heard. `isLit`: the scene's lights shine on it, and what was filmed is its colour in a light of π lux. */
+    /**
+     * `sound`: the address of what is heard. `isLit`: the scene's lights shine on it, as if it faced all of them; ambient light
+     * of the intensity π leaves its colours as they were filmed.
+     */
     constructor({url, sound = null, loop = true, isLit = false}) {
         super(new BufferGeometry(), []);
         this.media.loop = loop;
@@ -45,7 +48,7 @@ export class PerformerMesh extends Mesh {
         this.media.addEventListener('error', ({message}) => console.error(`${url}: ${message}`));
         this.#open(new URL(url, document.baseURI), sound && new URL(sound, document.baseURI), isLit);
     }
-    /** Shows what is due at `now`, milliseconds, as requestAnimationFrame gives them; it is heard from where a camera is, if one is given. */
+    /** Shows what is due at `now`, as requestAnimationFrame gives it, milliseconds; it is heard from where the camera is. */
     update(now, camera = null) {
         this.show(this.media.tick(now));
         if (camera) this.hearFrom(camera);
@@ -123,7 +126,8 @@ export class PerformerMesh extends Mesh {
     }
     // The walk is compiled for trees of this shape; three.js keeps what it has compiled.
     #shape(constants) {
-        const defines = Object.fromEntries([...constants, 'true'].map((value, id) => [`SPIRV_CROSS_CONSTANT_ID_${id}`, id < 3 ? `${value}u` : value]));
+        const texts = [...constants.map(value => `${value}u`), 'true'];  // the last: it writes linear light
+        const defines = Object.fromEntries(texts.map((text, id) => [`SPIRV_CROSS_CONSTANT_ID_${id}`, text]));
         for (const material of Object.values(this.#materials)) {
             if (JSON.stringify(material.defines) === JSON.stringify(defines)) continue;
             material.defines = defines;

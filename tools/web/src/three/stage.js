@@ -6,7 +6,7 @@ const kAhead = 4;         // frames that are asked for before they are due
 const kMostStep = 250;    // milliseconds; a page that was hidden goes on where it was
 const kAround = 3;       // metres around performers in which directional lights cast shadows
 
-/** Plays all that a glTF has. `media`'s names are HTMLMediaElement's; it tells `loadedmetadata`, `play`, `pause`, `timeupdate` and `ended`. */
+/** Plays all that a glTF has, with the names and events of HTMLMediaElement. */
 export class Stage extends EventTarget {
     #performers; #mixer; #actions; #given; #scene; #time = 0; #last = null; #paused = true; #duration = 0; #muted = false; #volume = 1;
     loop = true;
@@ -103,7 +103,8 @@ export class Stage extends EventTarget {
     }
     // As the engine has it: one that plays for ever lasts as long as its clip.
     #measure() {
-        const ends = this.#performers.filter(({map}) => map).map(({map, mesh}) => Number.isFinite(map.length) ? map.length : mesh.media.duration);
+        const known = this.#performers.filter(({map}) => map);
+        const ends = known.map(({map, mesh}) => Number.isFinite(map.length) ? map.length : mesh.media.duration);
         this.#duration = this.#given ?? Math.max(0, ...ends, ...this.#actions.map(action => action.getClip().duration));
     }
     #advance(seconds) {
@@ -132,7 +133,8 @@ export class Stage extends EventTarget {
     #fitShadows() {
         this.#scene.updateMatrixWorld();
         const box = new Box3();
-        for (const {mesh} of this.#performers) if (mesh.geometry.boundingBox) box.union(mesh.geometry.boundingBox.clone().applyMatrix4(mesh.matrixWorld));
+        for (const {mesh} of this.#performers)
+            if (mesh.geometry.boundingBox) box.union(mesh.geometry.boundingBox.clone().applyMatrix4(mesh.matrixWorld));
         if (box.isEmpty()) return;
         const middle = box.getCenter(new Vector3()), radius = box.getSize(new Vector3()).length() / 2 + kAround;
         this.#scene.traverse(light => {
@@ -140,7 +142,8 @@ export class Stage extends EventTarget {
             const {shadow} = light, {camera} = shadow;
             shadow.updateMatrices(light);
             const {x, y, z} = middle.clone().applyMatrix4(camera.matrixWorldInverse);
-            Object.assign(camera, {left: x - radius, right: x + radius, top: y + radius, bottom: y - radius, near: -z - radius, far: -z + radius});
+            Object.assign(camera, {left: x - radius, right: x + radius, bottom: y - radius, top: y + radius});
+            Object.assign(camera, {near: -z - radius, far: -z + radius});
             camera.updateProjectionMatrix();
         });
     }

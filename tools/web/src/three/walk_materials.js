@@ -25,6 +25,7 @@ vec3 view_place() {
 
 // The light of the scene's lights, as if a surface faced all of them: three.js gives them as irradiance.
 const kLight = `
+#define LIT
 uniform highp mat4 viewMatrix;
 #include <lights_pars_begin>
 vec3 light_at(vec3 place) {
@@ -84,8 +85,8 @@ export function walkUniforms() {
 /** {image, depth, distance}: what is seen; what casts the shadows of spots and suns, and of points. */
 export function walkMaterials(walk, uniforms, isLit) {
     const begin = walk.replace('#version 300 es\n', '').replace('void main()', 'void walk()') + kBegin;
-    const material = (end, more) => new RawShaderMaterial({glslVersion: GLSL3, vertexShader: kVertex, fragmentShader: begin + end, uniforms, side: BackSide,
-                                                           shadowSide: BackSide, toneMapped: false, ...more});
+    const material = (end, more) => new RawShaderMaterial({glslVersion: GLSL3, vertexShader: kVertex, fragmentShader: begin + end, uniforms,
+                                                           side: BackSide, shadowSide: BackSide, toneMapped: false, ...more});
     return {image: material(isLit ? kLight + kImage : kImage, {transparent: true, premultipliedAlpha: true, lights: isLit}),
             depth: material(kDepth, {blending: NoBlending}), distance: material(kDistance, {blending: NoBlending})};
 }
