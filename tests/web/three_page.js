@@ -225,7 +225,8 @@ async function castShadows() {
 // Known values of tests/stage/time_map_test.cpp, of ten frames.
 async function mapTimes() {
     const kKnown = {'loop:2f:5f': [2, 3, 4, 2, 3, 4, 2], 'ping-pong:2f:5f': [2, 3, 4, 3, 2, 3, 4], 'jump:3f:7f': [0, 1, 2, 7, 8, 9, 9],
-                    'speed:0.5,hold': [0, 0, 1, 1, 2], 'loop:0:2f,speed:0.5,offset:2f': [0, 0, 0, 0.5, 1, 1, 0, 0.5], 'loop:0:0.08s': [0, 1, 0, 1], reverse: [9, 8, 7]};
+                    'speed:0.5,hold': [0, 0, 1, 1, 2], 'loop:0:2f,speed:0.5,offset:2f': [0, 0, 0, 0.5, 1, 1, 0, 0.5],
+                    'loop:0:0.08s': [0, 1, 0, 1], reverse: [9, 8, 7]};
     for (const [text, known] of Object.entries(kKnown)) {
         const map = await TimeMap.of(text, 10, 25), frames = known.map((_, i) => map.frame(i / 25));
         expect(frames.every((frame, i) => Math.abs(frame - known[i]) < 1e-6), `${text} shows ${frames}`);
@@ -233,7 +234,8 @@ async function mapTimes() {
     }
     const json = [{operator: 'pause', at: '3f', for: '1.5s'}, {operator: 'loop', from: '0s', to: '2s'}, {operator: 'speed', factor: 0.5}];
     expect(timeMapText(json) === 'pause:3f:1.5s,loop:0s:2s,speed:0.5', `JSON becomes ${timeMapText(json)}`);
-    for (const [text, problem] of [['lo op', 'lo op'], ['loop,reverse', 'endless'], ['offset:0x3f', 'is no time'], ['offset: 1f2f', 'is no time']]) {
+    const kProblems = {'lo op': 'lo op', 'loop,reverse': 'endless', 'offset:0x3f': 'is no time', 'offset:1f2f': 'is no time'};
+    for (const [text, problem] of Object.entries(kProblems)) {
         const said = await TimeMap.of(text, 10, 25).then(() => 'nothing', error => error.message);
         expect(said.includes(problem), `${text}: "${said}" does not say "${problem}"`);
     }

@@ -1,4 +1,5 @@
-// std::from_chars of a double, which the C++ library of Debian 12's emscripten lacks; `build` includes it before all else.
+// std::from_chars of a double, which the C++ library of Debian 12's emscripten lacks; `build` includes it before all
+// else.
 #pragma once
 
 #include <charconv>

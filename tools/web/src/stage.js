@@ -34,7 +34,6 @@ function view({three}, gltf) {
 function makeRenderer({three}) {
     const renderer = new three.WebGLRenderer({antialias: true});
     renderer.shadowMap.enabled = true;
-    renderer.shadowMap.type = three.PCFSoftShadowMap;
     renderer.xr.enabled = true;
     renderer.setPixelRatio(Math.min(devicePixelRatio, kMostDensity));
     document.body.append(renderer.domElement);
@@ -62,7 +61,8 @@ function addControls(stage, renderer) {
     const sheet = new CSSStyleSheet();
     sheet.replaceSync(kControlsStyle);
     document.adoptedStyleSheets = [sheet];
-    const enterXR = async () => renderer.xr.setSession(await navigator.xr.requestSession('immersive-vr', {optionalFeatures: ['local-floor']}));
+    const kFeatures = {optionalFeatures: ['local-floor']};
+    const enterXR = async () => renderer.xr.setSession(await navigator.xr.requestSession('immersive-vr', kFeatures));
     const fillScreen = () => document.fullscreenElement ? document.exitFullscreen() : document.body.requestFullscreen();
     new Controls(Object.assign(stage, {enterXR, fail: say}), document.body, fillScreen).hidden = false;
 }

@@ -1,6 +1,6 @@
 // A performer as an object of a scene of three.js.
-import {Box3, BoxGeometry, BufferGeometry, DataTexture, LinearSRGBColorSpace, Matrix4, Mesh, RGBAIntegerFormat, RGIntegerFormat, RedIntegerFormat,
-        SRGBColorSpace, UnsignedIntType, Vector3} from 'three';
+import {Box3, BoxGeometry, BufferGeometry, DataTexture, LinearSRGBColorSpace, Matrix4, Mesh, RGBAIntegerFormat, RGIntegerFormat,
+        RedIntegerFormat, SRGBColorSpace, UnsignedIntType, Vector3} from 'three';
 import {eyeOf, raysOf} from '../matrices.js';
 import {playing} from '../playing.js';
 import {boxesOf, kStop, kWidth, texturesOf} from '../slice_tree.js';

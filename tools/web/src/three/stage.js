@@ -4,7 +4,7 @@ import {TimeMap, timeMapText} from '../time_map.js';
 
 const kAhead = 4;         // frames that are asked for before they are due
 const kMostStep = 250;    // milliseconds; a page that was hidden goes on where it was
-const kAround = 3;       // metres around performers in which directional lights cast shadows
+const kAround = 3;        // metres around performers in which directional lights cast shadows
 
 /** Plays all that a glTF has, with the names and events of HTMLMediaElement. */
 export class Stage extends EventTarget {
@@ -12,7 +12,7 @@ export class Stage extends EventTarget {
     loop = true;
     background;  // a Color, for the scene in which the stage is
 
-    /** `performers`: [{name, mesh, gain, time, spin_deg}], as NEUVV_performer has them. `duration`: seconds; else until the last of all ends. */
+    /** `performers`: [{name, mesh, gain, time, spin_deg}], as NEUVV_performer has them. `duration`: seconds; else until all end. */
     constructor(gltf, performers, duration, background) {
         super();
         this.background = background;
@@ -91,11 +91,13 @@ export class Stage extends EventTarget {
 
     #tell(name) { this.dispatchEvent(new Event(name)); }
     async #begin(one) {
-        const {mesh, time, name} = one, {duration, frameRate} = mesh.media;
+        const {mesh, time} = one, {duration, frameRate} = mesh.media;
         try {
-            one.map = await TimeMap.of(timeMapText(time), Math.round(duration * frameRate), frameRate);
+            const map = await TimeMap.of(timeMapText(time), Math.round(duration * frameRate), frameRate);
+            if (!this.#performers.includes(one)) return map.free();  // the stage has ended meanwhile
+            one.map = map;
         } catch (error) {
-            return mesh.media.fail(new Error(`"${name}": ${error.message}`));
+            return mesh.media.fail(error);
         }
         this.#measure();
         this.#fitShadows();

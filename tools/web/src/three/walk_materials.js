@@ -54,7 +54,7 @@ void main() {
     pixel *= opacity;
 }`;
 
-// In shadow maps, what lets less than half of the light through is a surface; the walk ends where it is less.
+// In shadow maps, a ray that loses half of its light has met a surface.
 const kSurface = `
 #include <packing>
 void surface() {
