@@ -1,22 +1,10 @@
 // What the player shows, in a browser: each view of views.json against the image that NeuVV rendered, and the element.
 import {FrameReader} from '/frames.js';
+import {pixels, psnr} from '/test/images.js';
 import {lookAt, multiply, perspective} from '/matrices.js';
 import {Renderer} from '/renderer.js';
 
 const results = {};
-
-async function pixels(image, width, height) {
-    const context = new OffscreenCanvas(width, height).getContext('2d');
-    context.drawImage(image, 0, 0);
-    return context.getImageData(0, 0, width, height).data;
-}
-
-function psnr(a, b) {
-    let sum = 0;
-    for (let i = 0; i < a.length; ++i)
-        if (i % 4 !== 3) sum += (a[i] - b[i]) ** 2;
-    return 10 * Math.log10(255 ** 2 / Math.max(sum / (0.75 * a.length), 1e-9));
-}
 
 // How long an image takes, with what it has to wait for.
 function millisecondsOf(canvas, draw) {

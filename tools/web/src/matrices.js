@@ -32,6 +32,16 @@ export function inverse(m) {
 }
 
 /**
+ * Where the rays of an image come from: [x, y, z, 1]; where they are parallel, [x, y, z, 0], of length 1 and against them:
+ * the point that the projection sends to infinity.
+ */
+export function eyeOf(clipFromTree, isParallel) {
+    const eye = transformed(inverse(clipFromTree), [0, 0, -1], 0);
+    const size = isParallel ? Math.hypot(...eye.slice(0, 3)) : eye[3];
+    return [...eye.slice(0, 3).map(part => part / size), isParallel ? 0 : 1];
+}
+
+/**
  * The rays of an image in the viewport [x, y, width, height]: pixel (x, y) from the bottom left of the framebuffer is on the
  * near plane at w·eye + corner + x·right + y·up; w: the fourth number of `eye`, 0 where rays are parallel.
  */

@@ -1,5 +1,5 @@
 // Plays a stream: a clock with the names and events of HTMLMediaElement, and the frames around its time.
-import {FrameReader} from './frames.js';
+import {openShared} from './shared_reader.js';
 import {Sound} from './sound.js';
 
 const kFirstParts = 2;         // of a frame before any other is shown: its shape, and colours without harmonics
@@ -18,7 +18,7 @@ class Ranges {
 
 /** Adds all that to a class of EventTargets, which has the property `loop`. */
 export const playing = Base => class extends Base {
-    #reader = null; #opening = 0; #trees = new Map(); #shown = -1; #isPartial = false;
+    #reader = null; #letGo = null; #opening = 0; #trees = new Map(); #shown = -1; #isPartial = false;
     #time = 0; #paused = true; #rate = 1; #last = null; #told = -1;
     #seeking = false; #hasData = false; #isWaiting = false; #ended = false;
     #sound = new Sound(() => this.#tell('volumechange'));
@@ -30,6 +30,8 @@ export const playing = Base => class extends Base {
     get seeking() { return this.#seeking; }
     /** Seconds; NaN while it is not known. */
     get duration() { return this.#reader ? this.#reader.frames.length / this.#reader.fps : NaN; }
+    /** Frames a second; NaN while that is not known. */
+    get frameRate() { return this.#reader?.fps ?? NaN; }
     get playbackRate() { return this.#rate; }
     set playbackRate(rate) {
         if (!(rate > 0 && rate <= 16)) throw new RangeError('playbackRate must be above 0 and at most 16');
@@ -107,9 +109,10 @@ export const playing = Base => class extends Base {
         this.close();
         const opening = this.#opening;
         try {
-            const reader = await FrameReader.open(url);
-            if (opening !== this.#opening) return reader.end();
+            const {reader, letGo} = await openShared(url);
+            if (opening !== this.#opening) return letGo();
             this.#reader = reader;
+            this.#letGo = letGo;
             this.#sound.open(soundUrl);
             this.#tell('durationchange');
             this.#tell('loadedmetadata');
@@ -119,8 +122,8 @@ export const playing = Base => class extends Base {
     }
     close() {
         ++this.#opening;  // what is being opened is dropped when it is there
-        this.#reader?.end();
-        this.#reader = null;
+        this.#letGo?.();
+        this.#reader = this.#letGo = null;
         this.#sound.end();
         this.#trees.clear();
         this.#shown = this.#told = -1;
@@ -139,7 +142,18 @@ export const playing = Base => class extends Base {
     tick(now) {
         if (!this.#reader) return null;
         this.#advance(now);
-        this.#request();
+        this.#request(this.#due());
+        return this.#takenFrame();
+    }
+    /**
+     * Instead of tick(), where a clock elsewhere says what is due: the first of these frames now, the others after it. What
+     * is heard is at `heard`, seconds, and passes so many times as fast as time; 0, or backwards: nothing is.
+     */
+    follow(frames, heard, rate) {
+        if (!this.#reader) return null;
+        this.#time = (frames[0] + 0.5) / this.#reader.fps;
+        this.#sound.follow(heard, Math.max(0, rate));
+        this.#request(frames);
         return this.#takenFrame();
     }
     /** What was shown last is lost: tick() returns it once more. */
@@ -179,11 +193,16 @@ export const playing = Base => class extends Base {
             this.#tell('ended');
         }
     }
-    // Asks for the frame of this time and those after it, and forgets all others.
-    #request() {
-        const count = this.#reader.frames.length, first = this.#frameOf(this.#time), wanted = new Set();
+    // The frame of this time and those after it.
+    #due() {
+        const count = this.#reader.frames.length, first = this.#frameOf(this.#time), due = [];
         for (let i = 0; i <= Math.min(kAhead, count - 1); ++i)
-            if (this.loop || first + i < count) wanted.add((first + i) % count);
+            if (this.loop || first + i < count) due.push((first + i) % count);
+        return due;
+    }
+    // Asks for these frames in order, and forgets all others.
+    #request(due) {
+        const wanted = new Set(due), [first] = due;
         for (const frame of this.#trees.keys())
             if (!wanted.has(frame)) this.#trees.delete(frame);
         const reader = this.#reader;

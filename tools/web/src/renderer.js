@@ -1,8 +1,6 @@
 // Draws slice trees with WebGL 2: the engine's own walk (performer.frag), a ray for each pixel.
 import {raysOf} from './matrices.js';
-
-const kWidth = 4096;      // of textures; kTextureWidthLog2 of shaders/arrays.glsl
-const kStop = 1 / 4096;   // the transmittance below which a ray ends, as in render/volume/trace.h
+import {boxesOf, kStop, kWidth, texturesOf} from './slice_tree.js';
 
 // The far sides of the box around the leaves, so that it is drawn also where the eye is inside: a strip of 12 triangles.
 export const kVertex = `#version 300 es
@@ -20,17 +18,6 @@ export class WebglMissing extends Error {}
 
 const srgbOf = linear => linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055;
 
-/** The names and contents of a slice tree's textures, as arrays of rows of kWidth texels; the last row may be shorter. */
-export const texturesOf = tree => [{name: 'tree_links', channels: 1, words: tree.links}, {name: 'nodes', channels: 4, words: tree.nodes},
-                                   {name: 'entries', channels: 2, words: tree.entries}];
-
-/** What performer.frag has to know of a tree: the box of its cells, and the one around its leaves, metres. */
-export function boxesOf({boxMin, boxSize, scale, topLevels, topFirst, topLast}) {
-    const size = boxSize.map(edge => scale * edge);
-    const at = (packed, more) => [0, 1, 2].map(axis => boxMin[axis] + ((packed >>> 10 * axis & 1023) + more) / 4 ** topLevels * size[axis]);
-    return {min: boxMin, size, leaves: {min: at(topFirst, 0), max: at(topLast, 1)}};
-}
-
 /** A slice tree in textures. */
 class TreeOnDevice {
     constructor(gl, tree) {
@@ -40,8 +27,8 @@ class TreeOnDevice {
         const {degree, nodeLevels, topLevels, topFirst, topLast} = tree;
         Object.assign(this, {constants: [degree, nodeLevels, topLevels], topFirst, topLast});
     }
-    #uploaded({name, channels, words}) {
-        const gl = this.gl, texels = words.length / channels, rows = Math.max(1, Math.ceil(texels / kWidth));
+    #uploaded({name, channels, words, rows}) {
+        const gl = this.gl;
         if (rows > gl.getParameter(gl.MAX_TEXTURE_SIZE)) throw new WebglMissing('a frame has more leaves than this browser draws');
         const [internal, format] = {1: [gl.R32UI, gl.RED_INTEGER], 2: [gl.RG32UI, gl.RG_INTEGER], 4: [gl.RGBA32UI, gl.RGBA_INTEGER]}[channels];
         const texture = gl.createTexture();
@@ -49,9 +36,7 @@ class TreeOnDevice {
         gl.texStorage2D(gl.TEXTURE_2D, 1, internal, kWidth, rows);
         gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
         gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
-        const whole = Math.floor(texels / kWidth), rest = texels - whole * kWidth;
-        if (whole > 0) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, kWidth, whole, format, gl.UNSIGNED_INT, words);
-        if (rest > 0) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, whole, rest, 1, format, gl.UNSIGNED_INT, words, whole * kWidth * channels);
+        gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, kWidth, rows, format, gl.UNSIGNED_INT, words);
         return {name, texture};
     }
     free() { for (const {texture} of this.textures) this.gl.deleteTexture(texture); }

@@ -1,33 +1,16 @@
 // Decodes frames of one group after the other, and makes slice trees of them, in a worker.
 //   in:  {id, group: {key, tables, depth, degree, mostLeaves, boxSize}, bytes, sizes, partCount, wantsTree}
-//   out: {id, tree} or {id, error}
+//   out: {id, tree} or {id, error}; the tree's arrays are whole rows of textures
+import {compiled, copied, instantiated} from './decoder.js';
+import {kWidth} from './slice_tree.js';
+
 let codec, group = null, groupKey = null;
-
-async function instantiated(url) {
-    const answer = await fetch(url);  // not compiled while it comes, for which servers must know its type
-    if (!answer.ok) throw new Error(`the decoder could not be loaded: the server answers ${answer.status}`);
-    const imports = {}, module = await WebAssembly.compile(await answer.arrayBuffer());
-    for (const {module: from, name} of WebAssembly.Module.imports(module))
-        (imports[from] ??= {})[name] = () => {
-            if (name !== 'emscripten_notify_memory_growth') throw new Error(`the decoder calls ${name}`);
-        };
-    const {exports} = await WebAssembly.instantiate(module, imports);
-    exports._initialize?.();
-    return exports;
-}
-
-function copied(bytes) {
-    const place = codec.malloc(bytes.length + 1);
-    if (!place) throw new Error('there is no memory for a frame');
-    new Uint8Array(codec.memory.buffer).set(bytes, place);
-    return place;
-}
 
 function enter(wanted) {
     if (groupKey === wanted.key) return;
     if (group) codec.neuvv_group_free(group);
     group = groupKey = null;
-    const tables = copied(wanted.tables);
+    const tables = copied(codec, wanted.tables);
     group = codec.neuvv_group_new(tables, wanted.tables.length, wanted.depth, wanted.degree, wanted.mostLeaves);
     codec.free(tables);
     if (!group) throw new Error('the tables of the stream are damaged');
@@ -40,7 +23,7 @@ function text(place) {
 }
 
 function decode(request) {
-    const bytes = copied(request.bytes), sizes = copied(new Uint8Array(Uint32Array.from(request.sizes).buffer));
+    const bytes = copied(codec, request.bytes), sizes = copied(codec, new Uint8Array(Uint32Array.from(request.sizes).buffer));
     const leaves = codec.neuvv_group_decode(group, bytes, request.bytes.length, sizes, request.partCount);
     codec.free(bytes);
     codec.free(sizes);
@@ -52,16 +35,20 @@ function sliceTree(request) {
     if (!tree) throw new Error('there is no memory for a frame');
     const [nodes, entries, links, nodeLevels, topLevels, topFirst, topLast, scale] =
         new Uint32Array(codec.memory.buffer, codec.neuvv_slice_tree_shape(tree), 8);
-    const words = (place, count) => new Uint32Array(codec.memory.buffer, place, count).slice();
+    const words = (place, channels, count) => {
+        const rows = Math.max(1, Math.ceil(count / kWidth)), result = new Uint32Array(rows * kWidth * channels);
+        result.set(new Uint32Array(codec.memory.buffer, place, count * channels));
+        return result;
+    };
     const result = {nodeLevels, topLevels, topFirst, topLast, scale, degree: request.group.degree,
-                    nodes: words(codec.neuvv_slice_tree_nodes(tree), 4 * nodes),
-                    entries: words(codec.neuvv_slice_tree_entries(tree), 2 * (request.group.degree + 1) ** 2 * entries),
-                    links: words(codec.neuvv_slice_tree_links(tree), links)};
+                    nodes: words(codec.neuvv_slice_tree_nodes(tree), 4, nodes),
+                    entries: words(codec.neuvv_slice_tree_entries(tree), 2, (request.group.degree + 1) ** 2 * entries),
+                    links: words(codec.neuvv_slice_tree_links(tree), 1, links)};
     codec.neuvv_slice_tree_free(tree);
     return result;
 }
 
-const ready = instantiated(new URL('decoder.wasm', import.meta.url)).then(exports => codec = exports);
+const ready = compiled(new URL('decoder.wasm', import.meta.url)).then(instantiated).then(exports => codec = exports);
 
 self.onmessage = async ({data}) => {
     try {
