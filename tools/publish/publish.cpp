@@ -1,5 +1,5 @@
 // neuvv publish: writes a clip, or a performer of a stage with its paint, as a stream: small enough for a rate, or good
-// enough for a quality.
+// enough for a quality; alone, or in a folder with a page that plays it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,11 +16,12 @@
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "base/threads/parallel.h"
-#include "stream/transport/nvs_reader.h"
+#include "stream/transport/byte_source.h"
 #include "stream/transport/nvs_writer.h"
 #include "tools/commands.h"
 #include "tools/compared_views.h"
 #include "tools/publish/published_scene.h"
+#include "tools/publish/web_page.h"
 #include "tools/report.h"
 #include "tools/results.h"
 #include "tools/say.h"
@@ -35,12 +36,17 @@ namespace neuvv::tools {
 namespace {
 
 struct PublishOptions {
-    std::string scene, performer, output, size = "480x270";
+    std::string scene, performer, output, web, size = "480x270";  // either `output` or `web`
     double quality = 47, group_s = 0.5;
     std::optional<double> rate_mbps;
     uint32_t views = 6;
     bool json = false;
     std::optional<voctree::UpAxis> up;
+    std::string encoding;  // an option that was given of those that say how a stream is encoded
+    // Where the stream is when all is done.
+    std::filesystem::path stream() const {
+        return web.empty() ? std::filesystem::path(output) : std::filesystem::path(web) / kPageStream;
+    }
 };
 
 // How coarsely the coefficients are rounded: 4 more double the steps. At kUsualSteps, images of held-out cameras lose
@@ -101,20 +107,24 @@ stream::BoxPart filled_part(const std::vector<stream::QuantisedSlice>& slices) {
 
 struct Published {
     uint64_t bytes = 0;
-    double psnr = 99;      // of the worst compared image, where a quality was asked for
-    double most_mbps = 0;  // of a group
+    std::optional<double> psnr{};  // of the worst compared image, where a quality was asked for
+    double most_mbps = 0;          // of a group
 };
 
 class Publisher {
   public:
-    Publisher(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common)
+    Publisher(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common,
+              std::filesystem::path output)
         : options_(options),
           scene_(scene),
+          output_(std::move(output)),
           progress_("publish", scene.index.frames()),
           capture_(voctree::frame_for_stream(voctree::read_world_frame(scene.clip), scene.clip)) {
         group_frames_ = std::clamp(static_cast<uint32_t>(std::lround(options.group_s * double{scene.index.fps})), 1u,
                                    stream::kMaxGroupFrames);
-        if (!options.rate_mbps) device_.emplace(common.device);
+        if (options.rate_mbps) return;
+        device_.emplace(common.device);
+        published_.psnr = 99;
     }
     Published publish();
 
@@ -124,10 +134,12 @@ class Publisher {
                              const std::filesystem::path& file);
     int strength_for_rate(const std::vector<stream::QuantisedSlice>& slices) const;
     void expect_to_go_on() const {
-        if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options_.output));
+        if (stop_requested())
+            throw RuntimeFailure(fmt::format("{}: stopped before the end", options_.stream().string()));
     }
     const PublishOptions& options_;
     const PublishedScene& scene_;
+    std::filesystem::path output_;
     Progress progress_;
     uint32_t group_frames_ = 1;
     stream::CaptureFrame capture_;
@@ -163,7 +175,7 @@ int Publisher::strength_for_quality(const voctree::VOctree& tree, std::span<cons
         throw InputError(file.string(), "",
                          fmt::format("the finest steps show {:.1f} dB, not {:.1f}", last, options_.quality),
                          fmt::format("ask for --quality {:.0f}", std::floor(last)));
-    published_.psnr = std::min(published_.psnr, kept);
+    published_.psnr = std::min(*published_.psnr, kept);
     return *strength;
 }
 
@@ -215,7 +227,7 @@ Published Publisher::publish() {
     uint32_t groups = 0;
     for (const voctree::ClipSegment& segment : scene_.index.segments)
         groups += (segment.frames + group_frames_ - 1) / group_frames_;
-    stream::Writer writer(options_.output, scene_.index.fps, scene_.index.frames(), groups, capture_);
+    stream::Writer writer(output_, scene_.index.fps, scene_.index.frames(), groups, capture_);
     for (const voctree::ClipSegment& segment : scene_.index.segments) publish_segment(segment, writer);
     published_.bytes = writer.finish();
     progress_.finish();
@@ -241,40 +253,85 @@ void copy_sound(const std::optional<std::filesystem::path>& sound, const std::fi
     write_file_atomically(to, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
 }
 
-void run(const PublishOptions& options, const CommonOptions& common) {
-    if (std::filesystem::path(options.output).extension() != ".nvs")
-        throw InputError("--output", options.output, "does not end with .nvs", "name it so");
-    prepare_result("--output", options.output);
-    const PublishedScene scene = read_published_scene(options.scene, options.performer, options.up);
-    voctree::expect_no_stream(scene.clip);
-    const auto sound = sound_to_copy(scene.clip, options.output);
-    const Published published = Publisher(options, scene, common).publish();
-    copy_sound(sound, options.output);
-    const stream::Index index = stream::Reader(options.output).index();
-    const auto frames = static_cast<double>(index.frames.size());
+// Writes the stream, and its sound beside it.
+Published publish_stream(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common,
+                         const std::filesystem::path& output) {
+    const auto sound = sound_to_copy(scene.clip, output);
+    const Published published = Publisher(options, scene, common, output).publish();
+    copy_sound(sound, output);
+    return published;
+}
+
+bool is_stream(const PublishedScene& scene) {
+    return voctree::kind_of(scene.clip) == voctree::ClipKind::kStream;
+}
+
+// A stream is copied as it is: nothing of it can be chosen.
+void expect_copyable(const PublishOptions& options, const std::filesystem::path& stream) {
+    if (stream::is_address(stream))
+        throw InputError(stream.string(), "", "is on a server", "download it, and its sound beside it");
+    if (!options.encoding.empty())
+        throw InputError(options.encoding, stream.string(), "is a stream, which is copied as it is",
+                         "leave the option out");
+}
+
+// With its sound.
+Published copy_stream(const std::filesystem::path& stream, const std::filesystem::path& output) {
+    std::error_code error;
+    std::filesystem::copy_file(stream, output, error);
+    if (error) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", output.string(), error.message()));
+    copy_sound(sound_to_copy(stream, output), output);
+    return {std::filesystem::file_size(output)};
+}
+
+Published publish_page(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common) {
+    if (is_stream(scene)) expect_copyable(options, scene.clip);
+    const UnfinishedWebPage page(options.web, find_web_player(), voctree::sound_beside(scene.clip).has_value());
+    const Published published = is_stream(scene) ? copy_stream(scene.clip, page.stream())
+                                                 : publish_stream(options, scene, common, page.stream());
+    const std::string name = scene.stage ? scene.stage->performers[scene.performer].name : "";
+    page.finish(name.empty() ? scene.clip.stem().string() : name);
+    return published;
+}
+
+void report(const PublishOptions& options, const PublishedScene& scene, const Published& published) {
+    const std::string stream = options.stream().string(),
+                      page = (std::filesystem::path(options.web) / "index.html").string();
+    const uint32_t frames = scene.index.frames();
     const double bytes_per_frame = static_cast<double>(published.bytes) / frames;
-    const double mbps = 8e-6 * bytes_per_frame * double{index.fps};
+    const double mbps = 8e-6 * bytes_per_frame * double{scene.index.fps};
     if (options.rate_mbps && published.most_mbps > *options.rate_mbps)
         say("{}: --rate {:g} is not reached: a group takes up to {:.3g} Mbit/s, though rounded as coarsely as is "
             "possible; fewer leaves take less (--max-leaves of `neuvv train`)\n",
-            options.output, *options.rate_mbps, published.most_mbps);
+            stream, *options.rate_mbps, published.most_mbps);
     if (options.json) {
-        nlohmann::ordered_json json = {
-            {"input", options.scene},        {"output", options.output},           {"bytes", published.bytes},
-            {"frames", index.frames.size()}, {"bytes_per_frame", bytes_per_frame}, {"mbps", mbps}};
+        nlohmann::ordered_json json = {{"input", options.scene}, {"output", stream}};
+        if (!options.web.empty()) json.update({{"web", options.web}, {"page", page}});
+        json.update(
+            {{"bytes", published.bytes}, {"frames", frames}, {"bytes_per_frame", bytes_per_frame}, {"mbps", mbps}});
         if (!scene.layers.empty()) json["paint_layers"] = scene.layers.size();
-        if (options.rate_mbps)
-            json["most_mbps"] = published.most_mbps;
-        else
-            json["psnr_db"] = published.psnr;
+        if (options.rate_mbps) json["most_mbps"] = published.most_mbps;
+        if (published.psnr) json["psnr_db"] = *published.psnr;
         tell("{}", json_text(json));
         return;
     }
-    const std::string quality = options.rate_mbps ? "" : fmt::format("; the worst image has {:.1f} dB", published.psnr);
+    const std::string quality = published.psnr ? fmt::format("; the worst image has {:.1f} dB", *published.psnr) : "";
     const std::string paint =
         scene.layers.empty() ? "" : fmt::format("; visible layers of paint: {}", scene.layers.size());
-    tell("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}{}\n", options.output, size_text(published.bytes),
-         index.frames.size(), bytes_per_frame / 1000, mbps, quality, paint);
+    tell("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}{}\n", stream, size_text(published.bytes), frames,
+         bytes_per_frame / 1000, mbps, quality, paint);
+    if (!options.web.empty()) tell("{} plays it from any file server: tools/serve {}\n", page, options.web);
+}
+
+void run(const PublishOptions& options, const CommonOptions& common) {
+    const bool alone = options.web.empty();
+    if (alone && std::filesystem::path(options.output).extension() != ".nvs")
+        throw InputError("--output", options.output, "does not end with .nvs", "name it so");
+    if (alone) prepare_result("--output", options.output);
+    const PublishedScene scene = read_published_scene(options.scene, options.performer, options.up);
+    if (alone) voctree::expect_no_stream(scene.clip);
+    report(options, scene,
+           alone ? publish_stream(options, scene, common, options.output) : publish_page(options, scene, common));
 }
 
 }  // namespace
@@ -283,11 +340,16 @@ void add_publish(Command app, CommonOptions& common) {
     Command verb = app.add_verb("publish", "Write a clip as a stream: a quarter of the bytes or less, to be played");
     const auto options = std::make_shared<PublishOptions>();
     verb.add_option("scene", options->scene,
-                    "The .nvv, in segments or not, the .npz of a PlenOctree, or a stage, .gltf or .glb")
+                    "The .nvv, in segments or not, the .npz of a PlenOctree, or a stage, .gltf or .glb; for --web "
+                    "also a .nvs")
         .required();
     verb.add_option("--performer", options->performer,
                     "Of a stage: which, by its name or index; may be left out where there is one");
-    verb.add_option("-o,--output", options->output, "The .nvs to write").required();
+    Command result = verb.add_group("What is written");
+    result.add_option("-o,--output", options->output, "The .nvs to write");
+    result.add_option("--web", options->web,
+                      "A folder to write for any file server: the stream, and a page that plays it in browsers");
+    result.require_options(1, 1);
     add_up_option(verb, options->up);
     Option rate = verb.add_option("--rate", options->rate_mbps, "Mbit/s, which every group of frames keeps to")
                       .number_between(0.01, 1e5);
@@ -304,24 +366,32 @@ void add_publish(Command app, CommonOptions& common) {
         .show_default();
     verb.add_option("--size", options->size, "WIDTHxHEIGHT of them").show_default();
     verb.add_flag("--json", options->json,
-                  "Print JSON: bytes, frames, bytes_per_frame, mbps, most_mbps (of a group), psnr_db, paint_layers");
+                  "Print JSON: output, page, bytes, frames, bytes_per_frame, mbps, most_mbps (of a group), psnr_db, "
+                  "paint_layers");
     verb.footer(
         {"A stream has every frame as it is shown. It is played as the clip is, but it cannot be trained on or "
          "painted,\nand between two frames it shows the nearer one. Segments that overlap do not fade into each other "
          "there.\n--quality is measured on frames by themselves; that frames repeat what stays is not.\n"
          "Of a stage, a performer's clip is written with the visible layers of its paint in it. Nothing else of the "
          "stage\ngoes along: neither transform, time map, lights nor opacity, nor the performer's own sound; the "
-         "clip's sound does.\n",
+         "clip's sound does.\n"
+         "--web takes the player for browsers that tools/web/build has made (`tools/install-packages web` installs "
+         "what that\nneeds), and copies a .nvs as it is.\n",
          kDeviceHelp, kExamplesHead,
          "  neuvv publish work/performer.nvv -o work/performer.nvs\n"
          "  neuvv publish work/performer.nvv -o work/phone.nvs --rate 10\n"
+         "  neuvv publish work/phone.nvs --web work/web\n"
          "  neuvv render work/performer.nvs -o work/turn.mp4\n"
          "  neuvv info https://example.com/performer.nvs\n"
          "  neuvv stage new work/show.gltf\n"
          "  neuvv stage add work/show.gltf work/performer.nvv --name anna\n"
          "  neuvv paint region work/show.gltf work/anna.nvpaint --node anna --box -1,0,-1,1,0.9,1 --hue 120\n"
          "  neuvv publish work/show.gltf --performer anna -o work/anna.nvs"});
-    verb.callback([options, &common] { run(*options, common); });
+    verb.callback([options, verb, &common] {
+        for (const char* name : {"--rate", "--quality", "--group", "--views", "--size"})
+            if (verb.count(name) > 0) options->encoding = name;
+        run(*options, common);
+    });
 }
 
 }  // namespace neuvv::tools
