@@ -26,14 +26,15 @@ struct CliWebPage : testing::Test {
     const std::string program = copied_program();
     const std::filesystem::path player = std::filesystem::path(program).parent_path().parent_path() / "web";
     TemporaryFolder folder;
-    const std::string web = file("web"), stream = file("show <1> & 2.nvs"), sound = file("show <1> & 2.m4a");
+    const std::string web = (folder.path / "web").string(), stream = (folder.path / "show <1> & 2.nvs").string(),
+                      sound = (folder.path / "show <1> & 2.m4a").string();
     const std::set<std::string> player_files = {"index.html", "index.js", "decoder.wasm"};
 
     void SetUp() override {
-        write_player({"index.html", "index.js", "decoder.wasm"});
+        write_player(player_files);
         std::filesystem::copy_file(NEUVV_SOURCE_DIR "/tests/stream/vectors/usual.nvs", stream);
     }
-    void write_player(const std::vector<std::string>& files) const {
+    void write_player(const std::set<std::string>& files) const {
         std::filesystem::remove_all(player);
         std::filesystem::create_directory(player);
         for (const std::string& name : files) write_text(player / name, "the player's " + name);
