@@ -30,10 +30,11 @@ function answer(request, response, name, content) {
 }
 
 /**
- * What a page posts: {results, asked, missing}; `results` has `problem` where nothing came. `roots`: [prefix of names,
- * folder]; `sent`: bytes by name, before those; `answers`: functions by name, which make the answer of what is posted there; `asked`: names of requests that were answered, `missing`: of the others.
+ * What a page posts: {results, asked, missing}; `results` has `problem` where nothing came in `most_s` seconds. `asked`: names
+ * of requests that were answered, `missing`: of the others. `roots`: [prefix of names, folder]; `sent`: bytes by name, before
+ * those; `answers`: functions by name, which make the answer of what is posted there; `flags`: of Chromium.
  */
-export async function resultsOf({page, roots, sent = {}, answers = {}}) {
+export async function resultsOf({page, roots, sent = {}, answers = {}, most_s = kMost_s, flags = []}) {
     let finish, log = '';
     const finished = new Promise(resolve => finish = resolve), asked = [], missing = [];
     const server = http.createServer((request, response) => {
@@ -51,11 +52,11 @@ export async function resultsOf({page, roots, sent = {}, answers = {}}) {
     const profile = fs.mkdtempSync(path.join(os.tmpdir(), 'neuvv-chromium-'));
     const browser = spawn('chromium', ['--headless=new', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
         '--disable-dev-shm-usage', `--user-data-dir=${profile}`, '--no-first-run',
-        '--autoplay-policy=no-user-gesture-required', `http://127.0.0.1:${server.address().port}${page}`],
+        '--autoplay-policy=no-user-gesture-required', ...flags, `http://127.0.0.1:${server.address().port}${page}`],
         {stdio: ['ignore', 'ignore', 'pipe'], detached: true});  // a group of its own, which is ended as a whole
     browser.stderr.on('data', text => log += text);
     browser.on('exit', code => finish({problem: `chromium ended with ${code}\n${log}`}));
-    const timer = setTimeout(() => finish({problem: `nothing came in ${kMost_s} s\n${log}`}), 1000 * kMost_s);
+    const timer = setTimeout(() => finish({problem: `nothing came in ${most_s} s\n${log}`}), 1000 * most_s);
     const results = await finished;
     clearTimeout(timer);
     if (browser.exitCode === null) {
