@@ -1,9 +1,9 @@
 // <neuvv-player src="show.nvs" autoplay loop controls>: plays a stream of a performer, who is seen from all sides.
+import {FrameQueue} from './frame_queue.js';
 import {FrameReader} from './frames.js';
 import {lookAt, Renderer} from './renderer.js';
 
-const kFirstParts = 2;         // of a frame before any other is shown: its shape, and colours without harmonics
-const kAhead = 4;              // frames that are asked for before they are due
+const kMostLate_s = 0.25;      // what is shown may be over for so long before the player waits for its frame
 const kAngle = 0.7;            // from the top to the bottom of the image, radians
 const kTurn = 0.008;           // radians per pixel of a drag
 const kMostTilt = 1.4;         // radians above or below the performer
@@ -50,9 +50,9 @@ function addIcon(button) {
 export class NeuvvPlayer extends HTMLElement {
     static observedAttributes = ['src', 'controls'];
     #canvas; #bar; #button; #icon; #line; #clock; #problem;
-    #renderer = null; #reader = null; #opening = 0; #trees = new Map(); #shown = -1; #due = true;
+    #renderer = null; #reader = null; #opening = 0; #queue = null; #due = true;
     #time = 0; #paused = true; #rate = 1; #last = null; #seeking = false; #frameRequest = 0; #sizes;
-    #hasData = false; #isPartial = false; #changed = 0; #isWaiting = false; #ended = false;
+    #hasData = false; #changed = 0; #isWaiting = false; #ended = false;
     error = null;
     #turn = 0; #tilt = 0.1; #zoom = 1;
 
@@ -105,8 +105,8 @@ export class NeuvvPlayer extends HTMLElement {
     get readyState() {
         if (!this.#reader) return 0;
         const frame = this.#frameOf(this.#time);
-        if (!this.#isThere(frame)) return 1;
-        return this.#isThere(Math.min(frame + 1, this.#reader.frames.length - 1)) ? 4 : 2;
+        if (!this.#queue.has(frame)) return 1;
+        return this.#queue.has(Math.min(frame + 1, this.#reader.frames.length - 1)) ? 4 : 2;
     }
     get loop() { return this.hasAttribute('loop'); }
     set loop(on) { this.toggleAttribute('loop', on); }
@@ -114,8 +114,7 @@ export class NeuvvPlayer extends HTMLElement {
     /** Returns a promise, as HTMLMediaElement's does. Frames that could not be read are asked for again. */
     async play() {
         if (!this.#paused) return;
-        for (const [frame, one] of this.#trees)
-            if (one.error) this.#trees.delete(frame);
+        this.#queue?.tryAgain();
         if (this.#reader) this.#tell(null);
         if (this.#time >= this.#end() && !this.loop) this.#time = 0;
         this.#paused = this.#ended = false;
@@ -171,6 +170,7 @@ export class NeuvvPlayer extends HTMLElement {
             const reader = await FrameReader.open(new URL(this.src, document.baseURI));
             if (opening !== this.#opening) return reader.end();
             this.#reader = reader;
+            this.#queue = new FrameQueue(reader);
             this.#line.max = this.duration;
             this.#showClock();
             this.dispatchEvent(new Event('durationchange'));
@@ -183,9 +183,8 @@ export class NeuvvPlayer extends HTMLElement {
     #close() {
         ++this.#opening;  // what is being opened is dropped when it is there
         this.#reader?.end();
-        this.#reader = null;
-        this.#trees.clear();
-        this.#shown = -1;
+        this.#queue?.clear();
+        this.#reader = this.#queue = null;
         this.#time = 0;
         this.#hasData = this.#seeking = this.#isWaiting = this.#ended = false;
         this.#tell(null);
@@ -203,7 +202,6 @@ export class NeuvvPlayer extends HTMLElement {
     #frameOf(seconds) { return Math.min(Math.floor(seconds * this.#reader.fps), this.#reader.frames.length - 1); }
     // The last time at which the last frame is shown.
     #end() { return this.#reader ? (this.#reader.frames.length - 0.001) / this.#reader.fps : 0; }
-    #isThere(frame) { return frame === this.#shown || Boolean(this.#trees.get(frame)?.tree); }
 
     #schedule() {
         cancelAnimationFrame(this.#frameRequest);
@@ -235,7 +233,7 @@ export class NeuvvPlayer extends HTMLElement {
         const passed = Math.min(now - (this.#last ?? now), kMostStep);
         this.#last = now;
         if (this.#paused) return;
-        if (this.#isWaiting !== this.readyState < 2) {
+        if (this.#isWaiting !== this.#isLate()) {
             this.#isWaiting = !this.#isWaiting;
             this.dispatchEvent(new Event(this.#isWaiting ? 'waiting' : 'playing'));
         }
@@ -251,30 +249,25 @@ export class NeuvvPlayer extends HTMLElement {
             this.dispatchEvent(new Event('ended'));
         }
     }
+    // A frame that comes late is left out. Where none comes, the player waits for that of its time.
+    #isLate() {
+        if (this.readyState >= (this.#isWaiting ? 4 : 2)) return false;
+        const shown_s = (this.#queue.shown + 1) / this.#reader.fps;  // what is shown is over then
+        const late_s = this.#time >= shown_s ? this.#time - shown_s : this.#time + this.duration - shown_s;
+        return this.#isWaiting || this.#seeking || this.#queue.shown < 0 || late_s > kMostLate_s * this.#rate;
+    }
     // Asks for the frame of this time and those after it, and forgets all others.
     #request() {
-        const count = this.#reader.frames.length, first = this.#frameOf(this.#time), wanted = new Set();
-        for (let i = 0; i <= Math.min(kAhead, count - 1); ++i)
-            if (this.loop || first + i < count) wanted.add((first + i) % count);
-        for (const frame of this.#trees.keys())
-            if (!wanted.has(frame)) this.#trees.delete(frame);
-        const reader = this.#reader;
-        for (const frame of wanted) {
-            if (this.#shown < 0 && frame !== first) break;  // nothing else comes before the first picture
-            if ((frame === this.#shown && !this.#isPartial) || this.#trees.has(frame)) continue;
-            const isPartial = this.#shown < 0 && reader.frames[frame].isKey, one = {tree: null, error: null, isPartial};
-            this.#trees.set(frame, one);
-            reader.tree(frame, isPartial ? kFirstParts : undefined).then(tree => one.tree = tree, error => one.error = error);
-        }
+        const plays = !this.#paused && !this.#isWaiting, waits = !this.#paused && this.#isWaiting;
+        this.#queue.follow(this.#frameOf(this.#time), {plays, waits, seeks: this.#seeking, rate: this.#rate, loops: this.loop});
     }
     #takeFrame() {
-        const frame = this.#frameOf(this.#time), one = this.#trees.get(frame);
-        if (one?.error && one.error !== this.error) this.#fail(one.error);  // once, until play() tries again
-        if (one?.tree) {
-            this.#renderer.show(one.tree);
-            this.#trees.delete(frame);
-            this.#shown = frame;
-            this.#isPartial = one.isPartial;
+        const frame = this.#frameOf(this.#time), come = this.#queue.take(frame);
+        if (come?.error && come.error !== this.error) this.#fail(come.error);  // once, until play() tries again
+        if (come?.tree) {
+            const begin = performance.now();
+            this.#renderer.show(come.tree);
+            this.#reader.learnShown(come.tree, (performance.now() - begin) / 1000);
             this.#due = true;
             if (!this.#hasData) {
                 this.#hasData = true;
@@ -282,7 +275,7 @@ export class NeuvvPlayer extends HTMLElement {
                 this.dispatchEvent(new Event('canplay'));
             }
         }
-        if (this.#seeking && frame === this.#shown) {
+        if (this.#seeking && frame === this.#queue.shown) {
             this.#seeking = false;
             this.dispatchEvent(new Event('seeked'));
         }
@@ -353,8 +346,7 @@ export class NeuvvPlayer extends HTMLElement {
         canvas.addEventListener('webglcontextlost', event => event.preventDefault());  // so that it comes again
         canvas.addEventListener('webglcontextrestored', () => {
             this.#renderer?.restore();
-            this.#trees.clear();
-            this.#shown = -1;
+            this.#queue?.clear();
         });
         canvas.addEventListener('keydown', event => {
             if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;

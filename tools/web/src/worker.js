@@ -1,33 +1,16 @@
 // Decodes frames of one group after the other, and makes slice trees of them, in a worker.
+//   first: {module}, decoder.wasm as it is compiled
 //   in:  {id, group: {key, tables, depth, degree, mostLeaves, boxSize}, bytes, sizes, partCount, wantsTree}
-//   out: {id, tree} or {id, error}
-let codec, group = null, groupKey = null;
+//   out: {id, tree, times: {shapes, shapes_s, planeBytes, planes_s, tree_s}} or {id, error}
+import {copied, instantiated} from './decoder.js';
 
-async function instantiated(url) {
-    const answer = await fetch(url);  // not compiled while it comes, for which servers must know its type
-    if (!answer.ok) throw new Error(`the decoder could not be loaded: the server answers ${answer.status}`);
-    const imports = {}, module = await WebAssembly.compile(await answer.arrayBuffer());
-    for (const {module: from, name} of WebAssembly.Module.imports(module))
-        (imports[from] ??= {})[name] = () => {
-            if (name !== 'emscripten_notify_memory_growth') throw new Error(`the decoder calls ${name}`);
-        };
-    const {exports} = await WebAssembly.instantiate(module, imports);
-    exports._initialize?.();
-    return exports;
-}
-
-function copied(bytes) {
-    const place = codec.malloc(bytes.length + 1);
-    if (!place) throw new Error('there is no memory for a frame');
-    new Uint8Array(codec.memory.buffer).set(bytes, place);
-    return place;
-}
+let ready = null, codec, group = null, groupKey = null;
 
 function enter(wanted) {
     if (groupKey === wanted.key) return;
     if (group) codec.neuvv_group_free(group);
     group = groupKey = null;
-    const tables = copied(wanted.tables);
+    const tables = copied(codec, wanted.tables);
     group = codec.neuvv_group_new(tables, wanted.tables.length, wanted.depth, wanted.degree, wanted.mostLeaves);
     codec.free(tables);
     if (!group) throw new Error('the tables of the stream are damaged');
@@ -39,12 +22,21 @@ function text(place) {
     return new TextDecoder().decode(bytes.slice(place, bytes.indexOf(0, place)));
 }
 
+// Returns the seconds that it took.
 function decode(request) {
-    const bytes = copied(request.bytes), sizes = copied(new Uint8Array(Uint32Array.from(request.sizes).buffer));
-    const leaves = codec.neuvv_group_decode(group, bytes, request.bytes.length, sizes, request.partCount);
-    codec.free(bytes);
-    codec.free(sizes);
-    if (leaves < 0) throw new Error(`a frame ${text(codec.neuvv_group_error(group))}`);
+    const bytes = copied(codec, request.bytes), sizes = copied(codec, new Uint8Array(Uint32Array.from(request.sizes).buffer));
+    const step = run => {
+        const begin = performance.now(), leaves = run(group, bytes, request.bytes.length, sizes, request.partCount);
+        if (leaves < 0) throw new Error(`a frame ${text(codec.neuvv_group_error(group))}`);
+        return (performance.now() - begin) / 1000;
+    };
+    try {
+        const shapes_s = step(codec.neuvv_group_decode_shape), planes_s = step(codec.neuvv_group_decode_planes);
+        return {shapes: 1, shapes_s, planes_s, planeBytes: request.bytes.length - request.sizes[0]};
+    } finally {
+        codec.free(bytes);
+        codec.free(sizes);
+    }
 }
 
 function sliceTree(request) {
@@ -61,15 +53,19 @@ function sliceTree(request) {
     return result;
 }
 
-const ready = instantiated(new URL('decoder.wasm', import.meta.url)).then(exports => codec = exports);
-
 self.onmessage = async ({data}) => {
+    if (data.module) {
+        ready = instantiated(data.module).then(exports => codec = exports);
+        ready.catch(() => {});  // it is thrown where frames are asked for
+        return;
+    }
     try {
         await ready;
         enter(data.group);
-        decode(data);
+        const times = decode(data), begin = performance.now();
         const tree = data.wantsTree ? sliceTree(data) : null;
-        self.postMessage({id: data.id, tree}, tree ? [tree.nodes.buffer, tree.entries.buffer, tree.links.buffer] : []);
+        times.tree_s = (performance.now() - begin) / 1000;
+        self.postMessage({id: data.id, tree, times}, tree ? [tree.nodes.buffer, tree.entries.buffer, tree.links.buffer] : []);
     } catch (error) {
         self.postMessage({id: data.id, error: String(error.message ?? error)});  // WebAssembly's have no message
     }

@@ -1,0 +1,74 @@
+// Which frames of a stream a player asks for: that of its time, and those after it as far as they come in time. What is
+// not wanted any more is not fetched and not decoded.
+import {kParts} from './nvs.js';
+
+const kAhead = 4, kMostAhead = 6;  // frames that are asked for before they are due; at most, where they take long to come
+const kFirstParts = 2;             // of a frame before any other is shown: its shape, and colours without harmonics
+const kStands_ms = 250;            // what is shown for longer is read as a whole: it may stand still for some time yet
+
+export class FrameQueue {
+    #reader; #asked = new Map(); #first = -1; #since = 0; #shown = -1; #shownParts = 0;
+    /** `reader`: a FrameReader, or what is like one. */
+    constructor(reader) { this.#reader = reader; }
+
+    /** The frame that is shown; −1: none is. */
+    get shown() { return this.#shown; }
+    has(frame) { return frame === this.#shown || Boolean(this.#asked.get(frame)?.tree); }
+    /**
+     * Follows a player to the frame of its time. `plays`: its time goes on; `waits`: it does as soon as that frame is
+     * there. `seeks`: that frame is asked for alone until it is there.
+     */
+    follow(first, {plays, waits, seeks, rate, loops}, now_ms = performance.now()) {
+        if (first !== this.#first || waits) this.#since = now_ms;
+        this.#first = first;
+        const count = this.#reader.frames.length, lead = plays ? this.#reader.lead_s * this.#reader.fps * rate : 0;
+        const ahead = Math.min(Math.max(kAhead, Math.ceil(lead) + 1), kMostAhead, count - 1);
+        const wanted = new Map();  // frames, and how far ahead they are
+        for (let i = 0; i <= ahead; ++i)
+            if (loops || first + i < count) wanted.set((first + i) % count, i);
+        for (const [frame, one] of this.#asked)
+            if (!wanted.has(frame)) this.#drop(frame, one, plays && !seeks, now_ms);
+        const stands = now_ms - this.#since >= kStands_ms;
+        for (const [frame, i] of wanted) {
+            if (i > 0 && (seeks || this.#shown < 0)) break;
+            if (this.#asked.has(frame) || (frame === this.#shown && (this.#shownParts === kParts || !stands))) continue;
+            if (i < Math.min(Math.floor(lead), ahead)) continue;  // its time would be over before it is there
+            this.#ask(frame, this.#shown < 0 ? kFirstParts : stands ? kParts : this.#reader.partsInTime(frame), plays && !stands, now_ms);
+        }
+    }
+    /** What has come of a frame, once: {tree} to be shown from then on, or {error}; null where nothing has. */
+    take(frame) {
+        const one = this.#asked.get(frame);
+        if (one?.tree) {
+            this.#asked.delete(frame);
+            this.#shown = frame;
+            this.#shownParts = one.partCount;
+        }
+        return one?.tree || one?.error ? one : null;
+    }
+    /** Those that could not be read are asked for again. */
+    tryAgain() {
+        for (const [frame, one] of this.#asked)
+            if (one.error) this.#asked.delete(frame);
+    }
+    /** Nothing is shown any more, and nothing asked for. */
+    clear() {
+        for (const one of this.#asked.values()) one.stop.abort();
+        this.#asked.clear();
+        this.#shown = this.#first = -1;
+    }
+
+    #ask(frame, partCount, inTime, now_ms) {
+        const one = {tree: null, error: null, partCount, asked_ms: now_ms, stop: new AbortController()};
+        this.#asked.set(frame, one);
+        this.#reader.tree(frame, partCount, one.stop.signal).then(tree => {
+            one.tree = tree;
+            if (inTime) this.#reader.learnArrival((performance.now() - one.asked_ms) / 1000);
+        }, error => one.error = error);
+    }
+    #drop(frame, one, isOver, now_ms) {
+        this.#asked.delete(frame);
+        if (isOver && !one.tree && !one.error) this.#reader.learnArrival((now_ms - one.asked_ms) / 1000);  // or later
+        one.stop.abort();
+    }
+}
