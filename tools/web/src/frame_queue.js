@@ -26,8 +26,12 @@ export class FrameQueue {
         const wanted = new Map();  // frames, and how far ahead they are
         for (let i = 0; i <= ahead; ++i)
             if (loops || first + i < count) wanted.set((first + i) % count, i);
-        for (const [frame, one] of this.#asked)
-            if (!wanted.has(frame)) this.#drop(frame, one, plays && !seeks, now_ms);
+        const goesOn = (plays || waits) && !seeks;
+        for (const [frame, one] of this.#asked) {
+            if (wanted.has(frame) || (goesOn && this.#isLate(frame) && !one.error)) continue;
+            this.#asked.delete(frame);
+            one.stop.abort();
+        }
         const stands = now_ms - this.#since >= kStands_ms;
         for (const [frame, i] of wanted) {
             if (i > 0 && (seeks || this.#shown < 0)) break;
@@ -36,15 +40,18 @@ export class FrameQueue {
             this.#ask(frame, this.#shown < 0 ? kFirstParts : stands ? kParts : this.#reader.partsInTime(frame), plays && !stands, now_ms);
         }
     }
-    /** What has come of a frame, once: {tree} to be shown from then on, or {error}; null where nothing has. */
-    take(frame) {
-        const one = this.#asked.get(frame);
-        if (one?.tree) {
-            this.#asked.delete(frame);
-            this.#shown = frame;
-            this.#shownParts = one.partCount;
-        }
-        return one?.tree || one?.error ? one : null;
+    /**
+     * What has come of the frame that is followed, or else of the last before it that is later than what is shown, once:
+     * {tree} to be shown from then on, or {error}; null where nothing has.
+     */
+    take() {
+        const come = [...this.#asked].filter(([frame, one]) => one.tree && (frame === this.#first || this.#isLate(frame)));
+        if (come.length === 0) return this.#asked.get(this.#first)?.error ? this.#asked.get(this.#first) : null;
+        const [frame, one] = come.reduce((a, b) => this.#behind(b[0]) < this.#behind(a[0]) ? b : a);
+        this.#asked.delete(frame);
+        this.#shown = frame;
+        this.#shownParts = one.partCount;
+        return one;
     }
     /** Those that could not be read are asked for again. */
     tryAgain() {
@@ -58,6 +65,13 @@ export class FrameQueue {
         this.#shown = this.#first = -1;
     }
 
+    // By how many frames it comes before the one that is followed.
+    #behind(frame) {
+        const count = this.#reader.frames.length;
+        return (this.#first - frame + count) % count;
+    }
+    // What was begun and is over may still be shown before later frames are there.
+    #isLate(frame) { return this.#shown >= 0 && this.#behind(frame) > 0 && this.#behind(frame) < this.#behind(this.#shown); }
     #ask(frame, partCount, inTime, now_ms) {
         const one = {tree: null, error: null, partCount, asked_ms: now_ms, stop: new AbortController()};
         this.#asked.set(frame, one);
@@ -65,10 +79,5 @@ export class FrameQueue {
             one.tree = tree;
             if (inTime) this.#reader.learnArrival((performance.now() - one.asked_ms) / 1000);
         }, error => one.error = error);
-    }
-    #drop(frame, one, isOver, now_ms) {
-        this.#asked.delete(frame);
-        if (isOver && !one.tree && !one.error) this.#reader.learnArrival((now_ms - one.asked_ms) / 1000);  // or later
-        one.stop.abort();
     }
 }

@@ -262,7 +262,7 @@ export class NeuvvPlayer extends HTMLElement {
         this.#queue.follow(this.#frameOf(this.#time), {plays, waits, seeks: this.#seeking, rate: this.#rate, loops: this.loop});
     }
     #takeFrame() {
-        const frame = this.#frameOf(this.#time), come = this.#queue.take(frame);
+        const frame = this.#frameOf(this.#time), come = this.#queue.take();
         if (come?.error && come.error !== this.error) this.#fail(come.error);  // once, until play() tries again
         if (come?.tree) {
             const begin = performance.now();

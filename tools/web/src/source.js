@@ -3,11 +3,12 @@ import {ByteRate} from './byte_rate.js';
 import {StreamError} from './nvs.js';
 
 const kBlock = 1 << 14, kMostKept = 4096;  // bytes; blocks
-// So many requests at the same time, in their order, so that bytes that are needed later do not slow down others.
-const kMostRequests = 3;
-// Of what is read ahead, as much is asked for as comes in so many seconds, between so many blocks, in two requests, so
-// that the server is always asked for something. Who waits for others must wait for these first.
-const kRequestAhead_s = 0.25, kLeastOfARequest = 4, kMostOfARequest = 64, kMostRequestsAhead = 2;
+// Two requests at the same time, in their order: the server is always asked for something, and what is needed later
+// slows down others little.
+const kMostRequests = 2;
+// Of what is read ahead, as much is asked for as comes in so many seconds, between so many blocks. Who waits for others
+// must wait for these first.
+const kRequestAhead_s = 0.25, kLeastOfARequest = 4, kMostOfARequest = 64;
 const kTries = 4, kPatience_ms = 15000, kPause_ms = 500;
 
 const later = milliseconds => new Promise(resolve => setTimeout(resolve, milliseconds));
@@ -81,7 +82,7 @@ export class RangeSource {
         const most = Math.min(Math.max(kLeastOfARequest, Math.floor(kRequestAhead_s * this.bytesPerSecond / kBlock)), kMostOfARequest);
         for (const range of this.#ahead)
             for (; range.first < range.end; ++range.first) {
-                if (this.#requests.size >= kMostRequestsAhead || this.#isCancelled) return;
+                if (this.#requests.size >= kMostRequests || this.#isCancelled) return;
                 if (!this.#blocks.has(range.first)) this.#begin(range.first, Math.min(range.end, range.first + most));
             }
     }
@@ -149,10 +150,11 @@ export class RangeSource {
     }
     // What the server sends of a range: all of it, or its beginning. The server may pause for so long, but no longer.
     async #fetchedOnce(begin, end, signal) {
+        if (this.#isCancelled) throw new StreamError('the player has ended');
         const stop = new AbortController(), abort = () => stop.abort();
         let timer = setTimeout(abort, kPatience_ms);
         signal.addEventListener('abort', abort);
-        if (signal.aborted || this.#isCancelled) abort();
+        if (signal.aborted) abort();
         this.#rate.begin();
         try {
             const answer = await fetch(this.#url, {headers: {Range: `bytes=${begin}-${end - 1}`}, signal: stop.signal});
