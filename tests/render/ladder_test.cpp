@@ -1,54 +1,73 @@
-// The choice of how many parts of a stream are taken.
-#include "render/clips/ladder.h"
-
+// The choice of how many parts of a stream are taken, by traces that the player for browsers is tested by, too.
 #include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "render/clips/frame_pace.h"
 
 namespace neuvv::test::ladder_test {
 namespace {
 
-// 10 frames in half a second: 10, 30, 40, 60 and 80 KB up to each part.
-constexpr stream::GroupCost kGroup{{10'000, 30'000, 40'000, 60'000, 80'000}, 10, 0.5};
+using nlohmann::json;
 
-TEST(Ladder, TakesAllOfAFile) {
-    EXPECT_EQ(render::Ladder().choose(kGroup, std::nullopt), stream::kShFine);
+json read_traces() {
+    std::ifstream file(NEUVV_SOURCE_DIR "/tests/render/ladder_traces.json");
+    return json::parse(file);
 }
 
-TEST(Ladder, TakesWhatAServerSendsInTime) {
-    const render::Ladder ladder;
-    EXPECT_EQ(ladder.choose(kGroup, 80'000 / 0.5 / 0.8), stream::kShFine);
-    EXPECT_EQ(ladder.choose(kGroup, 79'000 / 0.5 / 0.8), stream::kFine);
-    EXPECT_EQ(ladder.choose(kGroup, 59'000 / 0.5 / 0.8), stream::kShCoarse);
-    EXPECT_EQ(ladder.choose(kGroup, 39'000 / 0.5 / 0.8), stream::kCoarse);
-    EXPECT_EQ(ladder.choose(kGroup, 1), stream::kCoarse) << "something is shown, late or not";
-    EXPECT_EQ(ladder.choose(kGroup, 0), stream::kCoarse) << "nobody knows yet";
+void learn(const json& step, render::FramePace& pace) {
+    const json& took = step.at("learn");
+    const stream::DecodeTimes decoded{took.at("shapes"), took.at("shapes_s"), took.at("planes_s"),
+                                      took.at("plane_bytes")};
+    for (int i = 0; i < step.at("times"); ++i) pace.learn(decoded, took.at("upload_s"));
 }
 
-TEST(Ladder, TakesWhatIsDecodedInTime) {
-    render::Ladder ladder;
-    for (int i = 0; i < 200; ++i) ladder.learn_planes(1000, 1e-6);
-    EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
-    // Up to kShCoarse, planes take 4 s; even 8 frames at once leave 3.2 s for them.
-    for (int i = 0; i < 200; ++i) ladder.learn_planes(1000, 0.1);
-    EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kCoarse);
-    for (int i = 0; i < 200; ++i) ladder.learn_planes(1000, 1e-6);
-    EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine) << "what is old is forgotten";
-    // A frame that only repeats has few bytes, and takes a while all the same.
-    for (int i = 0; i < 200; ++i) ladder.learn_planes(20'000, 0.002);
-    ladder.learn_planes(100, 0.003);
-    EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
+uint32_t chosen_parts(const json& step, const json& group, render::FramePace& pace) {
+    const stream::GroupCost cost{group.at("bytes_until"), group.at("frames"), group.at("seconds"), step.at("choose")};
+    const json& rate = step.at("bytes_per_s");
+    const auto bytes_per_s = rate.is_null() ? std::nullopt : std::optional<double>(rate);
+    return pace.part_in_time(cost, bytes_per_s, step.at("at_s")) + 1;
 }
 
-// 80 KB of planes take 0.1 s. Where the rest of each frame leaves no time for that, fewer of them are taken.
-TEST(Ladder, CountsWhatIsDoneBehindTheDecoder) {
-    render::Ladder ladder;
-    ladder.learn_planes(80'000, 0.1);
-    EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
-    const double time_s = stream::frames_at_once() * 0.5 * 0.8;
-    for (const render::FrameStep step : {render::FrameStep::kShape, render::FrameStep::kUpload})
-        ladder.learn_step(step, (time_s - 0.09) / 10 / 2);
-    EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kFine);
-    for (int i = 0; i < 100; ++i) ladder.learn_step(render::FrameStep::kUpload, time_s);
-    EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kCoarse);
+// The steps of a trace that come out in another way than it says.
+std::vector<std::string> differences(const json& trace, const json& group) {
+    render::FramePace pace(trace.at("frames_at_once"));
+    std::vector<std::string> found;
+    for (const json& step : trace.at("steps")) {
+        if (step.contains("learn")) {
+            learn(step, pace);
+        } else if (step.contains("arrives_s")) {
+            for (int i = 0; i < step.at("times"); ++i) pace.learn_arrival(step.at("arrives_s"));
+        } else if (step.contains("lead_s")) {
+            const double lead_s = pace.lead_s();
+            if (lead_s < step["lead_s"][0] || lead_s > step["lead_s"][1])
+                found.push_back(step.dump() + ": " + std::to_string(lead_s));
+        } else if (const uint32_t parts = chosen_parts(step, group, pace); parts != step.at("parts")) {
+            found.push_back(step.dump() + ": " + std::to_string(parts));
+        }
+    }
+    return found;
+}
+
+TEST(Ladder, ChoosesAsItsTracesSay) {
+    const json all = read_traces();
+    for (const json& trace : all.at("traces"))
+        EXPECT_EQ(differences(trace, all.at("group")), std::vector<std::string>()) << trace.at("name");
+}
+
+TEST(Ladder, AnotherChoiceOrLeadIsADifference) {
+    json all = read_traces();
+    for (json& trace : all.at("traces")) {
+        size_t changed = 0;
+        for (json& step : trace.at("steps")) {
+            changed += step.contains("parts") || step.contains("lead_s") ? 1 : 0;
+            if (step.contains("parts")) step["parts"] = step["parts"].get<int>() + 1;
+            if (step.contains("lead_s")) step["lead_s"] = {2, 3};
+        }
+        ASSERT_GT(changed, 0u);
+        EXPECT_EQ(differences(trace, all.at("group")).size(), changed) << trace.at("name");
+    }
 }
 
 }  // namespace

@@ -169,14 +169,15 @@ struct OfGroup {
         const std::vector<uint8_t> tables = stream::bytes_of(group.tables);
         decoder.reset(neuvv_group_new(tables.data(), tables.size(), format.depth, format.degree, format.most_leaves));
     }
-    int32_t decode(const stream::FrameBytes& frame, uint32_t parts = stream::kParts) {
+    int32_t decode(const stream::FrameBytes& frame, uint32_t parts = stream::kParts,
+                   decltype(neuvv_group_decode)* step = neuvv_group_decode) {
         std::vector<uint8_t> bytes;
         std::array<uint32_t, stream::kParts> sizes{};
         for (uint32_t part = 0; part < std::min<uint32_t>(parts, stream::kParts); ++part) {
             sizes[part] = static_cast<uint32_t>(frame.parts[part].size());
             bytes.insert(bytes.end(), frame.parts[part].begin(), frame.parts[part].end());
         }
-        return neuvv_group_decode(decoder.get(), bytes.data(), bytes.size(), sizes.data(), parts);
+        return step(decoder.get(), bytes.data(), bytes.size(), sizes.data(), parts);
     }
     void expect_last(const QuantisedSlice& slice) const {
         const NeuvvLeaf* leaves = neuvv_group_leaves(decoder.get());
@@ -219,6 +220,25 @@ TEST(GroupDecoder, DecodesAsTheFunctionsOfCppDo) {
     EXPECT_EQ(coarse.error(), "needs the frame before it");
     EXPECT_GT(coarse.decode(frames.bytes[0]), 0) << "but a key frame goes on";
     EXPECT_EQ(coarse.error(), "");
+}
+
+TEST(GroupDecoder, DecodesInTwoSteps) {
+    const QuantisedSlice first = random_slice(5, 6, 600, 1);
+    QuantisedSlice second = first;
+    for (size_t i = 0; i < second.leaves.size() / 4; ++i) second.planes[1][i] = static_cast<int16_t>(900 - i);
+    const Encoded frames = encode({first, second}, 20);
+    OfGroup group(frames, {6, 1, 2000});
+    EXPECT_EQ(group.decode(frames.bytes[0], stream::kParts, neuvv_group_decode_planes), -1);
+    EXPECT_EQ(group.error(), "has no shape yet");
+    for (size_t i = 0; i < 2; ++i) {
+        const auto leaves = static_cast<int32_t>(frames.decoded[i].leaves.size());
+        EXPECT_EQ(group.decode(frames.bytes[i], stream::kParts, neuvv_group_decode_shape), leaves);
+        EXPECT_EQ(group.decode(frames.bytes[i], stream::kParts, neuvv_group_decode_planes), leaves);
+        group.expect_last(frames.decoded[i]);
+    }
+    EXPECT_GT(group.decode(frames.bytes[1], 2, neuvv_group_decode_shape), 0);
+    EXPECT_EQ(group.decode(frames.bytes[1], 2, neuvv_group_decode_planes), -1);
+    EXPECT_EQ(group.error(), "needs as many parts as the frame before it");
 }
 
 TEST(GroupDecoder, RefusesWhatCannotBe) {

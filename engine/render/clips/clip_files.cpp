@@ -65,7 +65,7 @@ void ClipFiles::end_reading(const voctree::ClipSegment& segment, const std::shar
 std::shared_ptr<FramePace> ClipFiles::pace_of(const voctree::ClipSegment& segment) {
     const std::lock_guard lock(mutex_);
     std::shared_ptr<FramePace>& pace = paces_[segment.file.parent_path()];
-    if (!pace) pace = std::make_shared<FramePace>();
+    if (!pace) pace = std::make_shared<FramePace>(stream::frames_at_once());
     return pace;
 }
 
@@ -77,7 +77,7 @@ std::shared_ptr<const LoadedClip> ClipFiles::load(const voctree::ClipSegment& se
         LoadedClip{upload_segment(device_, segment, FarLevels::kYes, solid_, last), segment.file, stamp});
     if (!clip->times) return clip;
     const std::shared_ptr<FramePace> pace = pace_of(segment);
-    pace->learn(*clip->times);
+    pace->learn(clip->times->decoded, clip->times->upload_s);
     if (asked_s) pace->learn_arrival(seconds_now() - *asked_s);
     return clip;
 }
@@ -189,8 +189,8 @@ void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
 
 // Returns false, and does nothing, where all of the frame comes in time, or is there.
 bool ClipFiles::read_in_time(const voctree::ClipSegment& segment, double asked_s) {
-    const stream::Part last =
-        pace_of(segment)->part_in_time(segment.source->group_cost(segment), segment.source->bytes_per_s());
+    const stream::Part last = pace_of(segment)->part_in_time(segment.source->group_cost(segment),
+                                                             segment.source->bytes_per_s(), seconds_now());
     if (last == stream::kShFine) return false;
     const FileStamp stamp = segment.source->stamp(segment);
     if (begin_reading(segment, stamp)) return false;

@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/seconds.h"
-
 namespace neuvv::render {
 
-void FramePace::learn(const SegmentTimes& times) {
+void FramePace::learn(const stream::DecodeTimes& decoded, double upload_s) {
     const std::lock_guard lock(mutex_);
-    const stream::DecodeTimes& decoded = times.decoded;
     if (decoded.shapes > 0) ladder_.learn_step(FrameStep::kShape, decoded.shapes_s / decoded.shapes);
     if (decoded.plane_bytes > 0) ladder_.learn_planes(decoded.plane_bytes, decoded.planes_s);
-    ladder_.learn_step(FrameStep::kUpload, times.upload_s);
+    ladder_.learn_step(FrameStep::kUpload, upload_s);
 }
 
 void FramePace::learn_arrival(double seconds) {
@@ -26,9 +23,8 @@ void FramePace::learn_arrival(double seconds) {
     arrival_s_ += kNew * (seconds - arrival_s_);
 }
 
-stream::Part FramePace::part_in_time(const stream::GroupCost& group, std::optional<double> bytes_per_s) {
+stream::Part FramePace::part_in_time(const stream::GroupCost& group, std::optional<double> bytes_per_s, double now_s) {
     const std::lock_guard lock(mutex_);
-    const double now_s = seconds_now();
     std::erase_if(chosen_, [&](const Chosen& one) { return now_s > one.until_s; });
     for (const Chosen& one : chosen_)
         if (one.group == group.number) return one.last;

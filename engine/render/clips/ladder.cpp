@@ -23,7 +23,7 @@ stream::Part Ladder::choose(const stream::GroupCost& group, std::optional<double
         const auto bytes = static_cast<double>(group.bytes_until[last]);
         const double until_s = kShare * group.seconds;
         return (!bytes_per_s || bytes <= *bytes_per_s * until_s) &&
-               steps_s + bytes * planes_.value() <= stream::frames_at_once() * until_s;
+               steps_s + bytes * planes_.value() <= frames_at_once_ * until_s;
     };
     for (const stream::Part last : {stream::kShFine, stream::kFine, stream::kShCoarse})
         if (comes_in_time(last)) return last;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "stream/transport/nvs_reader.h"
+#include "stream/codec/frame_cost.h"
 
 namespace neuvv::render {
 
@@ -17,6 +17,8 @@ enum class FrameStep { kShape, kUpload, kCount };
 // frames for independent, but those of a key frame are decoded one after the other.
 class Ladder {
   public:
+    // `frames_at_once`: how many frames are decoded and made ready at the same time.
+    explicit Ladder(uint32_t frames_at_once) : frames_at_once_(frames_at_once) {}
     // The planes of a frame's parts of so many bytes were decoded in so many seconds.
     void learn_planes(uint64_t bytes, double seconds);
     void learn_step(FrameStep step, double seconds);
@@ -37,6 +39,7 @@ class Ladder {
       private:
         double count_ = 0, seconds_ = 0;
     };
+    uint32_t frames_at_once_;
     Mean planes_;  // for each byte
     std::array<Mean, static_cast<size_t>(FrameStep::kCount)> steps_;
 };

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 #include <exception>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -22,6 +23,7 @@ struct NeuvvGroupDecoder {
     neuvv::stream::Format format;
     std::optional<neuvv::stream::QuantisedSlice> last;  // the frame that was decoded last; none after an error
     uint32_t last_parts = 0;
+    std::optional<neuvv::stream::FrameShape> shape;  // of the frame after it, until its planes are decoded
     std::array<char, 100> error{};
 };
 
@@ -39,14 +41,38 @@ PartBytes c_parts_of(std::span<const uint8_t> bytes, const uint32_t* part_bytes,
     return spans;
 }
 
-QuantisedSlice decoded_next(const NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t parts) {
-    FrameShape shape =
-        decode_shape(bytes[kShape], group.tables, group.format, group.last ? &group.last->leaves : nullptr);
-    if (!shape.is_key && parts != group.last_parts)
+void decode_next_shape(NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t /*parts*/) {
+    group.shape = decode_shape(bytes[kShape], group.tables, group.format, group.last ? &group.last->leaves : nullptr);
+}
+
+void decode_next_planes(NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t parts) {
+    if (!group.shape) throw std::runtime_error("has no shape yet");
+    if (!group.shape->is_key && parts != group.last_parts)
         throw std::runtime_error("needs as many parts as the frame before it");
-    Planes planes = decode_planes(shape, bytes, static_cast<Part>(parts - 1), group.tables, group.format,
+    Planes planes = decode_planes(*group.shape, bytes, static_cast<Part>(parts - 1), group.tables, group.format,
                                   group.last ? &*group.last : nullptr);
-    return {group.format.depth, group.format.degree, std::move(shape.merged.leaves), std::move(planes)};
+    group.last = {group.format.depth, group.format.degree, std::move(group.shape->merged.leaves), std::move(planes)};
+    group.last_parts = parts;
+    group.shape.reset();
+}
+
+using Step = void(NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t parts);
+
+// Takes the steps. Returns how many leaves the frame has, or −1 where one of them threw.
+int32_t leaves_after(NeuvvGroupDecoder* group, std::span<const uint8_t> bytes, const uint32_t* part_bytes,
+                     uint32_t parts, std::initializer_list<Step*> steps) {
+    if (!group) return -1;
+    try {
+        group->error = {};
+        const PartBytes spans = c_parts_of(bytes, part_bytes, parts);
+        for (Step* step : steps) step(*group, spans, parts);
+        return static_cast<int32_t>((group->shape ? group->shape->merged.leaves : group->last->leaves).size());
+    } catch (const std::exception& problem) {
+        group->last.reset();
+        group->shape.reset();
+        std::strncpy(group->error.data(), problem.what(), group->error.size() - 1);
+        return -1;
+    }
 }
 
 }  // namespace
@@ -64,7 +90,7 @@ NeuvvGroupDecoder* neuvv_group_new(const uint8_t* tables, size_t table_bytes, ui
         return nullptr;
     try {
         return std::make_unique<NeuvvGroupDecoder>(
-                   NeuvvGroupDecoder{read_tables({tables, table_bytes}), {depth, degree, most_leaves}, {}, 0, {}})
+                   NeuvvGroupDecoder{read_tables({tables, table_bytes}), {depth, degree, most_leaves}, {}, 0, {}, {}})
             .release();
     } catch (const std::exception&) {
         return nullptr;
@@ -77,19 +103,18 @@ void neuvv_group_free(NeuvvGroupDecoder* decoder) {
 
 int32_t neuvv_group_decode(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
                            const uint32_t* part_bytes, uint32_t parts) {
-    if (!decoder) return -1;
-    try {
-        decoder->error = {};
-        neuvv::stream::QuantisedSlice slice = neuvv::stream::decoded_next(
-            *decoder, neuvv::stream::c_parts_of({bytes, byte_count}, part_bytes, parts), parts);
-        decoder->last = std::move(slice);
-        decoder->last_parts = parts;
-        return static_cast<int32_t>(decoder->last->leaves.size());
-    } catch (const std::exception& problem) {
-        decoder->last.reset();
-        std::strncpy(decoder->error.data(), problem.what(), decoder->error.size() - 1);
-        return -1;
-    }
+    using namespace neuvv::stream;
+    return leaves_after(decoder, {bytes, byte_count}, part_bytes, parts, {decode_next_shape, decode_next_planes});
+}
+int32_t neuvv_group_decode_shape(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
+                                 const uint32_t* part_bytes, uint32_t parts) {
+    return neuvv::stream::leaves_after(decoder, {bytes, byte_count}, part_bytes, parts,
+                                       {neuvv::stream::decode_next_shape});
+}
+int32_t neuvv_group_decode_planes(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
+                                  const uint32_t* part_bytes, uint32_t parts) {
+    return neuvv::stream::leaves_after(decoder, {bytes, byte_count}, part_bytes, parts,
+                                       {neuvv::stream::decode_next_planes});
 }
 
 const NeuvvLeaf* neuvv_group_leaves(const NeuvvGroupDecoder* decoder) {

@@ -28,6 +28,11 @@ void neuvv_group_free(NeuvvGroupDecoder* decoder);
 // key frame can follow. A frame that repeats some of the one before must have as many parts.
 int32_t neuvv_group_decode(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
                            const uint32_t* part_bytes, uint32_t parts);
+// The same in two steps, for who measures them: first the shape, then the planes. Both get the bytes of all the parts.
+int32_t neuvv_group_decode_shape(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
+                                 const uint32_t* part_bytes, uint32_t parts);
+int32_t neuvv_group_decode_planes(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
+                                  const uint32_t* part_bytes, uint32_t parts);
 
 // Of the last frame, until the next call: its leaves, and of each plane a number for each leaf. Null where there are
 // none.

@@ -1,7 +1,6 @@
 // Reads .nvs files and addresses of them.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <filesystem>
 #include <memory>
@@ -9,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "stream/codec/frame_codec.h"
+#include "stream/codec/frame_cost.h"
 #include "stream/transport/byte_source.h"
 #include "stream/transport/nvs_index.h"
 
@@ -22,22 +21,6 @@ bool is_stream(const std::filesystem::path& path);
 // How many frames players decode, and make ready to be drawn, at the same time: by half of the cores, because the
 // others draw, but not by more than 8.
 uint32_t frames_at_once();
-
-// What decoding a frame took, where it was not decoded already: the shapes of it and of those before it that it needs,
-// and its planes of so many bytes.
-struct DecodeTimes {
-    uint32_t shapes = 0;
-    double shapes_s = 0, planes_s = 0;
-    uint64_t plane_bytes = 0;
-};
-
-// What a group of frames costs.
-struct GroupCost {
-    std::array<uint64_t, kParts> bytes_until{};  // of all of its frames, up to each part
-    uint32_t frames = 1;
-    double seconds = 1;   // for which it is shown
-    uint32_t number = 0;  // of the group
-};
 
 // A stream that is open. All functions may be called from any thread; several threads decode several frames at the same
 // time. All throw InputError with file, place and fix for what is damaged, ServerProblem where a server does not

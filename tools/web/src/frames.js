@@ -1,31 +1,41 @@
 // The frames of a stream as slice trees: fetched by ranges, decoded in workers.
+import {compiled, instantiated} from './decoder.js';
+import {FramePace} from './frame_pace.js';
 import {StreamError, crc32, headBytes, kParts, readHead} from './nvs.js';
 import {RangeSource} from './source.js';
 
 const kWorkers = Math.max(1, Math.min(4, (navigator.hardwareConcurrency ?? 2) - 1));
 const kMostTableBytes = 1 << 20;  // inflated
+const kLeastParts = 2;            // of a frame, its shape and coarse colours: what the ladder takes at least
+const kAhead_s = 3;               // of which the bytes are fetched before they are asked for
+
+const kNothing = {frame: -1, partCount: 0};
 
 /** A worker, which decodes what it is asked for in order. */
 class Decoder {
     #worker = new Worker(new URL('worker.js', import.meta.url), {type: 'module'});
-    #waiting = new Map(); #next = 0; #problem = '';
-    last = -1;                  // the frame that it is asked for last; −1 where that failed
+    #waiting = new Map(); #next = 0; #problem = ''; #ready;
+    last = kNothing;            // what it has decoded last
+    planned = kNothing;         // what it is asked for last
     load = 0;                   // how many frames it is asked for and has not answered
     turn = Promise.resolve();   // when it has answered all of them
-    constructor() {
+    constructor(module) {
         this.#worker.onmessage = ({data}) => {
             const {resolve, reject} = this.#waiting.get(data.id);
             this.#waiting.delete(data.id);
-            data.error ? reject(new StreamError(data.error)) : resolve(data.tree);
+            data.error ? reject(new StreamError(data.error)) : resolve(data);
         };
         this.#worker.onerror = () => this.#fail('the decoder could not be loaded');
+        this.#ready = module.then(one => this.#worker.postMessage({module: one}), error => this.#fail(error.message));
     }
-    decode(request) {
-        if (this.#problem) return Promise.reject(new StreamError(this.#problem));
+    async decode(request) {
+        await this.#ready;
+        if (this.#problem) throw new StreamError(this.#problem);
         const id = this.#next++;
-        const result = new Promise((resolve, reject) => this.#waiting.set(id, {resolve, reject}));
-        this.#worker.postMessage({id, ...request});
-        return result;
+        return new Promise((resolve, reject) => {
+            this.#waiting.set(id, {resolve, reject});
+            this.#worker.postMessage({id, ...request});
+        });
     }
     end() {
         this.#worker.terminate();
@@ -59,13 +69,21 @@ function expectWhole(bytes, crc) {
     return bytes;
 }
 
+function loadedModule() {
+    return compiled(new URL('decoder.wasm', import.meta.url)).catch(error => {
+        throw new StreamError(`the decoder could not be loaded: ${error.message}`);
+    });
+}
+
 export class FrameReader {
-    #source; #decoders = [];
+    #source; #module = loadedModule(); #decoders = []; #pace = null; #readsAhead = false;
     fps = 0; frames = []; box = null;  // as readHead has them
 
     /** Opens the stream at an address. Throws StreamError. */
     static async open(url) {
         const reader = new FrameReader(), source = new RangeSource(url);
+        reader.#module.then(instantiated).then(codec => reader.#pace = new FramePace(codec, kWorkers))
+            .catch(() => {});  // it is thrown where frames are asked for
         const bytes = await source.read(0, headBytes(await source.begin(), source.size));
         const {fps, end, box, frames} = readHead(bytes);
         if (source.size < end) throw new StreamError('the file ends early');
@@ -74,31 +92,38 @@ export class FrameReader {
     }
 
     /**
-     * The slice tree of a frame, as worker.js makes it, with the box of its group; of a key frame also from its first
-     * `partCount` parts alone. Throws StreamError.
+     * The slice tree of a frame, as worker.js makes it, with the box of its group and the times that decoding took; from
+     * its first `partCount` parts alone. Where the signal aborts, what has not come yet is not fetched any more, and not
+     * decoded. Throws StreamError, or what the signal says.
      */
-    async tree(frame, partCount = kParts) {
-        if (this.#decoders.length === 0) this.#decoders = Array.from({length: kWorkers}, () => new Decoder());
-        let first = frame;
-        while (!this.frames[first].isKey) --first;
-        const decoder = this.#decoderFor(frame, first);
-        if (decoder.last >= first && decoder.last < frame) first = decoder.last + 1;
-        const isWhole = partCount === kParts;
-        this.#source.readsAhead = isWhole;
-        const requests = Array.from({length: frame - first + 1}, (_, i) => this.#fetched(first + i, partCount));
-        for (const one of requests) one.catch(() => {});  // it is thrown when its turn comes
-        decoder.last = isWhole ? frame : -1;
+    async tree(frame, partCount = kParts, signal = null) {
+        if (this.#decoders.length === 0) this.#decoders = Array.from({length: kWorkers}, () => new Decoder(this.#module));
+        const decoder = this.#decoderFor(frame, partCount), requests = new Map();
+        const request = number => {
+            if (!requests.has(number)) requests.set(number, this.#fetched(number, partCount, signal));
+            requests.get(number).catch(() => {});  // it is thrown when its turn comes
+            return requests.get(number);
+        };
+        for (let i = this.#firstFor(frame, partCount, decoder.planned); i <= frame; ++i) request(i);
+        decoder.planned = {frame, partCount};
         ++decoder.load;
-        const result = decoder.turn.then(async () => {
-            let tree = null;
-            for (const [i, one] of requests.entries())
-                tree = await decoder.decode({...await one, wantsTree: i === requests.length - 1});
-            return tree;
-        });
-        decoder.turn = result.catch(() => decoder.last = -1).finally(() => --decoder.load);
-        const {boxMin, boxSize} = this.frames[frame].group;
-        return {...await result, boxMin, boxSize};
+        const result = decoder.turn.then(() => this.#decoded(decoder, frame, partCount, request, signal));
+        decoder.turn = result.catch(() => {}).finally(() => --decoder.load);
+        if (this.#readsAhead) this.#readAhead(frame, partCount);
+        const {boxMin, boxSize} = this.frames[frame].group, answer = await result;
+        this.#readsAhead = true;  // nothing shall come before the first picture
+        return {...answer, boxMin, boxSize};
     }
+    /** How many parts of a frame that is asked for now come in time while the stream plays. */
+    partsInTime(frame) {
+        return this.#pace?.parts(this.frames[frame].group, this.#source.bytesPerSecond, performance.now() / 1000) ?? kLeastParts;
+    }
+    /** A tree was shown, which took so many seconds. */
+    learnShown({times}, seconds) { this.#pace?.learn(times, times.tree_s + seconds); }
+    /** A frame was there so many seconds after it was asked for so that it came in time. */
+    learnArrival(seconds) { this.#pace?.learnArrival(seconds); }
+    /** A frame that is asked for now is nearly always there after so many seconds. */
+    get lead_s() { return this.#pace?.lead() ?? 0; }
     /** Whether all bytes of a frame have come. */
     isFetched(frame) { return this.frames[frame].parts.every(({begin, bytes}) => this.#source.has(begin, bytes)); }
     end() {
@@ -106,14 +131,49 @@ export class FrameReader {
         for (const decoder of this.#decoders) decoder.end();
     }
 
-    // One that has decoded what the frame repeats; else the one with the least to do.
-    #decoderFor(frame, first) {
-        if (first < frame)
-            for (const decoder of this.#decoders)
-                if (decoder.last >= first && decoder.last < frame) return decoder;
-        return this.#decoders.reduce((a, b) => b.load < a.load ? b : a);
+    // Where decoding has to begin after what a decoder has decoded: with the frame after that, or with the key frame.
+    #firstFor(frame, partCount, after) {
+        let first = frame;
+        while (!this.frames[first].isKey && first - 1 !== after.frame) --first;
+        if (this.frames[first].isKey || after.partCount === partCount) return first;
+        while (!this.frames[first].isKey) --first;
+        return first;
     }
-    async #fetched(number, partCount) {
+    // One that has decoded what the frame repeats; else the one with the least to do.
+    #decoderFor(frame, partCount) {
+        const count = decoder => frame - this.#firstFor(frame, partCount, decoder.planned);
+        return this.#decoders.reduce((a, b) => count(b) < count(a) || (count(b) === count(a) && b.load < a.load) ? b : a);
+    }
+    // The bytes of the frames behind it are fetched meanwhile, of as many parts.
+    #readAhead(frame, partCount) {
+        const {group} = this.frames[frame], ranges = [];
+        let end = frame + 1;  // of the frames that are read ahead
+        while (end < this.frames.length && this.frames[end].group === group) ++end;
+        for (let part = 0; part < partCount; ++part) {
+            const {begin} = this.frames[frame].parts[part], last = this.frames[end - 1].parts[part];
+            ranges.push({begin, bytes: last.begin + last.bytes - begin});
+        }
+        while (end < this.frames.length && end - frame < kAhead_s * this.fps) {
+            const {tables, bytesUntil, frameCount} = this.frames[end].group;
+            ranges.push({begin: tables.begin, bytes: bytesUntil[partCount - 1]});
+            end += frameCount;
+        }
+        this.#source.readAhead(ranges);
+    }
+    // What was planned before may have been left out meanwhile.
+    async #decoded(decoder, frame, partCount, request, signal) {
+        const times = {shapes: 0, shapes_s: 0, planeBytes: 0, planes_s: 0, tree_s: 0};
+        for (let i = this.#firstFor(frame, partCount, decoder.last);; ++i) {
+            const one = await request(i);
+            signal?.throwIfAborted();
+            decoder.last = kNothing;
+            const answer = await decoder.decode({...one, wantsTree: i === frame});
+            decoder.last = {frame: i, partCount};
+            for (const [name, value] of Object.entries(answer.times)) times[name] += value;
+            if (i === frame) return {...answer.tree, times};
+        }
+    }
+    async #fetched(number, partCount, signal) {
         const {group, isKey, parts: all} = this.frames[number], parts = all.slice(0, partCount);
         group.inflated ??= this.#source.read(group.tables.begin, group.tables.bytes)
             .then(bytes => inflated(expectWhole(bytes, group.tables.crc)))
@@ -122,7 +182,7 @@ export class FrameReader {
                 throw error;
             });
         const [tables, ...read] = await Promise.all(
-            [group.inflated, ...parts.map(({begin, bytes}) => this.#source.read(begin, bytes))]);
+            [group.inflated, ...parts.map(({begin, bytes}) => this.#source.read(begin, bytes, signal))]);
         const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.bytes, 0));
         let at = 0;
         for (const [i, part] of parts.entries()) {

@@ -49,7 +49,7 @@ function mayBeFilled(low, high) {
 function readGroup(head, at, version) {
     const number = offset => head.getUint32(at + offset, true);
     const vector = offset => [0, 1, 2].map(axis => head.getFloat32(at + offset + 4 * axis, true));
-    const group = {frameCount: number(0), depth: number(4), degree: number(8), mostLeaves: number(12), boxMin: vector(16),
+    const group = {bytesUntil: [], frameCount: number(0), depth: number(4), degree: number(8), mostLeaves: number(12), boxMin: vector(16),
                    boxSize: vector(28), tables: {begin: Number(head.getBigUint64(at + 40, true)), bytes: number(48), crc: number(52)}};
     expect(group.frameCount >= 1 && group.frameCount <= kMostGroupFrames && group.depth >= 2 && group.depth <= kMostDepth &&
                group.depth % 2 === 0 && group.degree <= kMostDegree && group.mostLeaves <= kMostLeaves &&
@@ -71,14 +71,16 @@ function boxOf(groups) {
                                          max: all.max.map((high, axis) => Math.max(high, one.max[axis]))}));
 }
 
-/** Places the parts of a group's frames: those of one part stand behind each other, frame by frame. */
+/** Places the parts of a group's frames: those of one part stand behind each other, frame by frame. Returns their end. */
 function placeParts(frames, group) {
     let at = group.tables.begin + group.tables.bytes;
-    for (let part = 0; part < kParts; ++part)
+    for (let part = 0; part < kParts; ++part) {
         for (const frame of frames) {
             frame.parts[part].begin = at;
             at += frame.parts[part].bytes;
         }
+        group.bytesUntil.push(at - group.tables.begin);
+    }
     return at;
 }
 
@@ -96,8 +98,9 @@ export function readHead(bytes) {
     let at = kHeadBytes, end = bytes.length;
     for (let i = 0; i < groupCount; ++i, at += kGroupBytes[version]) groups.push(readGroup(head, at, version));
     expect(groups.reduce((sum, group) => sum + group.frameCount, 0) === frameCount, 'the head of the stream is damaged');
-    for (const group of groups) {
+    for (const [number, group] of groups.entries()) {
         const first = frames.length;
+        Object.assign(group, {number, seconds: group.frameCount / fps});
         expect(group.tables.begin === end, 'the head of the stream is damaged');  // they stand behind each other
         for (let i = 0; i < group.frameCount; ++i, at += kFrameBytes) {
             const parts = Array.from({length: kParts}, (_, part) => ({begin: 0, bytes: head.getUint32(at + 4 + 4 * part, true),

@@ -1,9 +1,9 @@
 // Plays a stream: a clock with the names and events of HTMLMediaElement, and the frames around its time.
+import {FrameQueue} from './frame_queue.js';
 import {openShared} from './shared_reader.js';
 import {Sound} from './sound.js';
 
-const kFirstParts = 2;         // of a frame before any other is shown: its shape, and colours without harmonics
-const kAhead = 4;              // frames that are asked for before they are due
+const kMostLate_s = 0.25;      // what is shown may be over for so long before the player waits for its frame
 const kPull = 0.2;             // of the way to where the sound is, an image
 const kMostStep = 250;         // milliseconds; a page that was hidden goes on where it was
 
@@ -18,7 +18,7 @@ class Ranges {
 
 /** Adds all that to a class of EventTargets, which has the property `loop`. */
 export const playing = Base => class extends Base {
-    #reader = null; #letGo = null; #opening = 0; #trees = new Map(); #shown = -1; #isPartial = false;
+    #reader = null; #letGo = null; #opening = 0; #queue = null;
     #time = 0; #paused = true; #rate = 1; #last = null; #told = -1;
     #seeking = false; #hasData = false; #isWaiting = false; #ended = false;
     #sound = new Sound(() => this.#tell('volumechange'));
@@ -50,8 +50,8 @@ export const playing = Base => class extends Base {
     get readyState() {
         if (!this.#reader) return 0;
         const frame = this.#frameOf(this.#time);
-        if (!this.#isThere(frame)) return 1;
-        return this.#isThere(Math.min(frame + 1, this.#reader.frames.length - 1)) ? 4 : 2;
+        if (!this.#queue.has(frame)) return 1;
+        return this.#queue.has(Math.min(frame + 1, this.#reader.frames.length - 1)) ? 4 : 2;
     }
     /** The times whose frames have been fetched. */
     get buffered() {
@@ -82,8 +82,7 @@ export const playing = Base => class extends Base {
     /** Returns a promise, as HTMLMediaElement's does. Frames that could not be read are asked for again. */
     async play() {
         if (!this.#paused) return;
-        for (const [frame, one] of this.#trees)
-            if (one.error) this.#trees.delete(frame);
+        this.#queue?.tryAgain();
         if (this.#reader) this.error = null;
         if (this.#time >= this.#end() && !this.loop) this.#time = 0;
         this.#paused = this.#ended = false;
@@ -113,6 +112,7 @@ export const playing = Base => class extends Base {
             if (opening !== this.#opening) return letGo();
             this.#reader = reader;
             this.#letGo = letGo;
+            this.#queue = new FrameQueue(reader);
             this.#sound.open(soundUrl);
             this.#tell('durationchange');
             this.#tell('loadedmetadata');
@@ -122,11 +122,11 @@ export const playing = Base => class extends Base {
     }
     close() {
         ++this.#opening;  // what is being opened is dropped when it is there
+        this.#queue?.clear();
         this.#letGo?.();
-        this.#reader = this.#letGo = null;
+        this.#reader = this.#queue = this.#letGo = null;
         this.#sound.end();
-        this.#trees.clear();
-        this.#shown = this.#told = -1;
+        this.#told = -1;
         this.#time = 0;
         this.#hasData = this.#seeking = this.#isWaiting = this.#ended = false;
         this.error = null;
@@ -142,7 +142,8 @@ export const playing = Base => class extends Base {
     tick(now) {
         if (!this.#reader) return null;
         this.#advance(now);
-        this.#request(this.#due());
+        const plays = !this.#paused && !this.#isWaiting, waits = !this.#paused && this.#isWaiting;
+        this.#queue.follow(this.#frameOf(this.#time), {plays, waits, seeks: this.#seeking, rate: this.#rate, loops: this.loop});
         return this.#takenFrame();
     }
     /**
@@ -153,14 +154,15 @@ export const playing = Base => class extends Base {
         if (!this.#reader) return null;
         this.#time = (frames[0] + 0.5) / this.#reader.fps;
         this.#sound.follow(heard, Math.max(0, rate));
-        this.#request(frames);
+        this.#queue.follow(frames[0], {plays: false, waits: rate !== 0, seeks: false, rate, frames});
         return this.#takenFrame();
     }
     /** What was shown last is lost: tick() returns it once more. */
     forgetShown() {
-        this.#trees.clear();
-        this.#shown = -1;
+        this.#queue?.clear();
     }
+    /** The tree that tick() or follow() returned was brought to the device in so many seconds. */
+    learnShown(tree, seconds) { this.#reader?.learnShown(tree, seconds); }
     /** Where the sound comes from, metres, as who hears it sees it: right, up and back. */
     hearFrom(place) { this.#sound.place(place); }
 
@@ -168,14 +170,13 @@ export const playing = Base => class extends Base {
     #frameOf(seconds) { return Math.min(Math.floor(seconds * this.#reader.fps), this.#reader.frames.length - 1); }
     // The last time at which the last frame is shown.
     #end() { return this.#reader ? (this.#reader.frames.length - 0.001) / this.#reader.fps : 0; }
-    #isThere(frame) { return frame === this.#shown || Boolean(this.#trees.get(frame)?.tree); }
 
     // Moves the clock on, but not while its frame is missing.
     #advance(now) {
         const passed = Math.min(now - (this.#last ?? now), kMostStep);
         this.#last = now;
         if (this.#paused) return;
-        if (this.#isWaiting !== this.readyState < 2) {
+        if (this.#isWaiting !== this.#isLate()) {
             this.#isWaiting = !this.#isWaiting;
             this.#tell(this.#isWaiting ? 'waiting' : 'playing');
         }
@@ -193,41 +194,24 @@ export const playing = Base => class extends Base {
             this.#tell('ended');
         }
     }
-    // The frame of this time and those after it.
-    #due() {
-        const count = this.#reader.frames.length, first = this.#frameOf(this.#time), due = [];
-        for (let i = 0; i <= Math.min(kAhead, count - 1); ++i)
-            if (this.loop || first + i < count) due.push((first + i) % count);
-        return due;
-    }
-    // Asks for these frames in order, and forgets all others.
-    #request(due) {
-        const wanted = new Set(due), [first] = due;
-        for (const frame of this.#trees.keys())
-            if (!wanted.has(frame)) this.#trees.delete(frame);
-        const reader = this.#reader;
-        for (const frame of wanted) {
-            if (this.#shown < 0 && frame !== first) break;  // nothing else comes before the first picture
-            if ((frame === this.#shown && !this.#isPartial) || this.#trees.has(frame)) continue;
-            const isPartial = this.#shown < 0 && reader.frames[frame].isKey, one = {tree: null, error: null, isPartial};
-            this.#trees.set(frame, one);
-            reader.tree(frame, isPartial ? kFirstParts : undefined).then(tree => one.tree = tree, error => one.error = error);
-        }
+    // A frame that comes late is left out. Where none comes, the player waits for that of its time.
+    #isLate() {
+        if (this.readyState >= (this.#isWaiting ? 4 : 2)) return false;
+        const shown_s = (this.#queue.shown + 1) / this.#reader.fps;  // what is shown is over then
+        const late_s = this.#time >= shown_s ? this.#time - shown_s : this.#time + this.duration - shown_s;
+        return this.#isWaiting || this.#seeking || this.#queue.shown < 0 || late_s > kMostLate_s * this.#rate;
     }
     #takenFrame() {
-        const frame = this.#frameOf(this.#time), one = this.#trees.get(frame);
-        if (one?.error && one.error !== this.error) this.fail(one.error);  // once, until play() tries again
-        if (one?.tree) {
-            this.#trees.delete(frame);
-            this.#shown = frame;
-            this.#isPartial = one.isPartial;
+        const come = this.#queue.take();
+        if (come?.error && come.error !== this.error) this.fail(come.error);  // once, until play() tries again
+        if (come?.tree) {
             if (!this.#hasData) {
                 this.#hasData = true;
                 this.#tell('loadeddata');
                 this.#tell('canplay');
             }
         }
-        if (this.#seeking && frame === this.#shown) {
+        if (this.#seeking && this.#frameOf(this.#time) === this.#queue.shown) {
             this.#seeking = false;
             this.#tell('seeked');
         }
@@ -235,6 +219,6 @@ export const playing = Base => class extends Base {
             this.#told = this.#time;
             this.#tell('timeupdate');
         }
-        return one?.tree ?? null;
+        return come?.tree ?? null;
     }
 };

@@ -1,7 +1,14 @@
 // The bytes of a file on a server, by ranges.
+import {ByteRate} from './byte_rate.js';
 import {StreamError} from './nvs.js';
 
-const kBlock = 1 << 14, kMostKept = 4096, kAhead = 4;  // bytes; blocks; how many are asked for at least, but at first
+const kBlock = 1 << 14, kMostKept = 4096;  // bytes; blocks
+// Two requests at the same time, in their order: the server is always asked for something, and what is needed later
+// slows down others little.
+const kMostRequests = 2;
+// Of what is read ahead, as much is asked for as comes in so many seconds, between so many blocks. Who waits for others
+// must wait for these first.
+const kRequestAhead_s = 0.25, kLeastOfARequest = 4, kMostOfARequest = 64;
 const kTries = 4, kPatience_ms = 15000, kPause_ms = 500;
 
 const later = milliseconds => new Promise(resolve => setTimeout(resolve, milliseconds));
@@ -9,88 +16,160 @@ const isPassing = status => status === 429 || status >= 500;
 
 /** Reads ranges of a file in blocks of 16 KiB, of which it keeps 64 MiB. A request that fails is made four times. */
 export class RangeSource {
-    #url; #blocks = new Map(); #come = new Set(); #stop = new AbortController();
-    size = Infinity;     // of the file, where its server says so
-    readsAhead = false;  // whether at least 64 KiB are asked for at a time
+    #url; #blocks = new Map(); #requests = new Set(); #isCancelled = false; #rate = new ByteRate();
+    #ahead = [];      // ranges of blocks
+    size = Infinity;  // of the file, where its server says so
     constructor(url) { this.#url = url; }
 
-    /** A Uint8Array of [begin, begin + bytes). Throws StreamError. */
-    async read(begin, bytes) {
+    /** As bytes come from the server; 0 where nobody knows yet. */
+    get bytesPerSecond() { return this.#rate.perSecond; }
+    /** A Uint8Array of [begin, begin + bytes). Throws StreamError, and what the signal says where it aborts. */
+    async read(begin, bytes, signal = null) {
+        signal?.throwIfAborted();
         if (bytes === 0) return new Uint8Array(0);
         const first = Math.floor(begin / kBlock), last = Math.floor((begin + bytes - 1) / kBlock);
         const result = new Uint8Array(bytes);
-        for (const [i, from] of (await Promise.all(this.#request(first, last))).entries()) {
+        for (const [i, from] of (await this.#awaited(this.#request(first, last), signal)).entries()) {
             const at = (first + i) * kBlock, end = Math.min(begin + bytes - at, kBlock);
             if (from.length < end) throw new StreamError('the file ends early');
             result.set(from.subarray(Math.max(begin - at, 0), end), Math.max(at - begin, 0));
         }
         return result;
     }
+    /**
+     * Says what is read next, the first first, as {begin, bytes}, so that it is fetched while nothing else is; in place
+     * of what was said before.
+     */
+    readAhead(ranges) {
+        this.#ahead = ranges.filter(({bytes}) => bytes > 0)
+            .map(({begin, bytes}) => ({first: Math.floor(begin / kBlock), end: Math.floor((begin + bytes - 1) / kBlock) + 1}));
+        for (const request of this.#requests)
+            if (request.waiting === 0 && !this.#ahead.some(({first, end}) => request.first < end && first < request.end)) this.#drop(request);
+        this.#goOn();
+    }
     /** Whether [begin, begin + bytes) has come and is kept. */
     has(begin, bytes) {
         for (let block = Math.floor(begin / kBlock); block * kBlock < begin + bytes; ++block)
-            if (!this.#come.has(block)) return false;
+            if (!this.#blocks.has(block) || this.#requests.has(this.#blocks.get(block).request)) return false;
         return true;
     }
     /** The first bytes, at most 16 KiB. */
-    begin() { return this.#request(0, 0)[0]; }
-    cancel() { this.#stop.abort(); }
+    begin() { return this.#request(0, 0)[0].bytes; }
+    cancel() {
+        this.#isCancelled = true;
+        for (const request of this.#requests) request.stop.abort();
+        this.#goOn();
+    }
 
+    // Of requests for which nobody waits any more, those that are not answered end with the signal.
+    #awaited(blocks, signal) {
+        const all = Promise.all(blocks.map(({bytes}) => bytes));
+        if (!signal) {
+            for (const {request} of blocks) request.waiting = Infinity;
+            return all;
+        }
+        const requests = new Set(blocks.map(({request}) => request));
+        for (const request of requests) ++request.waiting;
+        return new Promise((resolve, reject) => {
+            const abort = () => {
+                for (const request of requests)
+                    if (--request.waiting === 0) this.#drop(request);
+                reject(signal.reason);
+            };
+            signal.addEventListener('abort', abort);
+            all.then(resolve, reject).finally(() => signal.removeEventListener('abort', abort));
+        });
+    }
+    // Lets the next requests begin, and where none waits, asks for what is read ahead.
+    #goOn() {
+        let running = 0;
+        for (const request of this.#requests)
+            if (++running <= kMostRequests || request.stop.signal.aborted) request.begin();
+        const most = Math.min(Math.max(kLeastOfARequest, Math.floor(kRequestAhead_s * this.bytesPerSecond / kBlock)), kMostOfARequest);
+        for (const range of this.#ahead)
+            for (; range.first < range.end; ++range.first) {
+                if (this.#requests.size >= kMostRequests || this.#isCancelled) return;
+                if (!this.#blocks.has(range.first)) this.#begin(range.first, Math.min(range.end, range.first + most));
+            }
+    }
+    #drop(request) {
+        if (!this.#requests.has(request)) return;  // it is answered
+        for (const [block, one] of this.#blocks)
+            if (one.request === request) this.#blocks.delete(block);
+        request.stop.abort();
+        request.begin();  // to its end
+    }
     // The blocks, as promises. Asks once for each run of those that are not there, and forgets the oldest others.
     #request(first, last) {
         for (let block = first; block <= last; ++block) {
             if (this.#blocks.has(block)) continue;
-            const beyond = this.readsAhead ? Math.min(Math.max(last + 1, block + kAhead), Math.ceil(this.size / kBlock)) : last + 1;
-            let end = block + 1;
-            while (end < beyond && !this.#blocks.has(end)) ++end;
-            const fetched = this.#fetched(block * kBlock, end * kBlock);
-            for (let i = block; i < end; ++i) {
-                const from = (i - block) * kBlock;
-                const one = fetched.then(bytes => bytes.slice(from, from + kBlock));
-                one.then(() => this.#come.add(i), () => this.#blocks.delete(i));  // it may come when it is asked for again
-                this.#blocks.set(i, one);
-            }
+            this.#begin(block, last + 1);
         }
         const wanted = Array.from({length: last - first + 1}, (_, i) => this.#blocks.get(first + i));
         for (const block of this.#blocks.keys()) {
             if (this.#blocks.size <= kMostKept) break;
-            if (block >= first && block <= last) continue;
-            this.#blocks.delete(block);
-            this.#come.delete(block);
+            if (block < first || block > last) this.#blocks.delete(block);
         }
         return wanted;
     }
+    // Asks for the blocks from `first` on that are not there, up to one that is, or to before `most`.
+    #begin(first, most) {
+        let end = first + 1;
+        while (end < most && !this.#blocks.has(end)) ++end;
+        const request = {first, end, stop: new AbortController(), waiting: 0, begin: null};  // waiting: how many reads
+        const turn = new Promise(resolve => request.begin = resolve);
+        this.#requests.add(request);
+        const fetched = turn.then(() => this.#fetched(first * kBlock, end * kBlock, request.stop.signal)).finally(() => {
+            this.#requests.delete(request);
+            this.#goOn();
+        });
+        if (this.#requests.size <= kMostRequests) request.begin();
+        for (let i = first; i < end; ++i) {
+            const from = (i - first) * kBlock, one = {request, bytes: fetched.then(bytes => bytes.slice(from, from + kBlock))};
+            one.bytes.catch(() => {  // it may come when it is asked for again
+                if (this.#blocks.get(i) === one) this.#blocks.delete(i);
+            });
+            this.#blocks.set(i, one);
+        }
+    }
     // Those from `begin` to before `end` that the file has.
-    async #fetched(begin, end) {
+    async #fetched(begin, end, signal) {
         const result = new Uint8Array(end - begin);
         let filled = 0;
         while (filled < result.length && begin + filled < this.size) {
-            const piece = await this.#tried(begin + filled, end);
+            const piece = await this.#tried(begin + filled, end, signal);
             if (piece.length === 0) break;
             result.set(piece.subarray(0, result.length - filled), filled);
             filled += piece.length;
         }
         return result.subarray(0, Math.min(filled, result.length));
     }
-    async #tried(begin, end) {
+    async #tried(begin, end, signal) {
         for (let left = kTries - 1;; --left) {
             try {
-                return await this.#fetchedOnce(begin, end);
+                return await this.#fetchedOnce(begin, end, signal);
             } catch (error) {
-                if (this.#stop.signal.aborted || left === 0 || error.isFinal) throw error;
+                if (signal.aborted || this.#isCancelled || left === 0 || error.isFinal) throw error;
                 await later(kPause_ms * (kTries - left));
             }
         }
     }
-    // What the server sends of a range: all of it, or its beginning.
-    async #fetchedOnce(begin, end) {
-        const stop = new AbortController(), timer = setTimeout(() => stop.abort(), kPatience_ms), abort = () => stop.abort();
-        this.#stop.signal.addEventListener('abort', abort);
-        if (this.#stop.signal.aborted) abort();
+    // What the server sends of a range: all of it, or its beginning. The server may pause for so long, but no longer.
+    async #fetchedOnce(begin, end, signal) {
+        if (this.#isCancelled) throw new StreamError('the player has ended');
+        const stop = new AbortController(), abort = () => stop.abort();
+        let timer = setTimeout(abort, kPatience_ms);
+        signal.addEventListener('abort', abort);
+        if (signal.aborted) abort();
+        this.#rate.begin();
         try {
             const answer = await fetch(this.#url, {headers: {Range: `bytes=${begin}-${end - 1}`}, signal: stop.signal});
             if (answer.status === 416) return new Uint8Array(0);
-            if (answer.status === 206) return await this.#bytesOf(answer, begin);
+            if (answer.status === 206)
+                return await this.#bytesOf(answer, begin, end, () => {
+                    clearTimeout(timer);
+                    timer = setTimeout(abort, kPatience_ms);
+                });
             answer.body?.cancel();
             const problem = answer.status === 200 ? 'the server does not answer requests for ranges of bytes' : `the server answers ${answer.status}`;
             throw Object.assign(new StreamError(problem), {isFinal: !isPassing(answer.status)});
@@ -99,14 +178,28 @@ export class RangeSource {
             throw new StreamError(stop.signal.aborted ? 'the server does not answer'
                                                       : 'the server does not answer, or does not allow this page to read (CORS)');
         } finally {
+            this.#rate.end();
             clearTimeout(timer);
-            this.#stop.signal.removeEventListener('abort', abort);
+            signal.removeEventListener('abort', abort);
         }
     }
-    async #bytesOf(answer, begin) {
+    async #bytesOf(answer, begin, end, onPiece) {
         const said = /^bytes (\d+)-\d+\/(\d+)$/.exec(answer.headers.get('Content-Range') ?? '');  // servers need not expose it
         if (said && Number(said[1]) !== begin) throw Object.assign(new StreamError('the server sends other bytes than asked for'), {isFinal: true});
         if (said) this.size = Number(said[2]);
-        return new Uint8Array(await answer.arrayBuffer());
+        const result = new Uint8Array(end - begin);
+        let filled = 0;
+        for (const reader = answer.body.getReader();;) {
+            const {done, value} = await reader.read();
+            if (done) return result.subarray(0, filled);
+            onPiece();
+            this.#rate.add(value.length);
+            if (filled + value.length > result.length) {
+                reader.cancel();
+                throw Object.assign(new StreamError('the server sends more bytes than asked for'), {isFinal: true});
+            }
+            result.set(value, filled);
+            filled += value.length;
+        }
     }
 }

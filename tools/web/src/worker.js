@@ -1,10 +1,12 @@
 // Decodes frames of one group after the other, and makes slice trees of them, in a worker.
+//   first: {module}, decoder.wasm as it is compiled
 //   in:  {id, group: {key, tables, depth, degree, mostLeaves, boxSize}, bytes, sizes, partCount, wantsTree}
-//   out: {id, tree} or {id, error}; the tree's arrays are whole rows of textures
-import {compiled, copied, instantiated} from './decoder.js';
+//   out: {id, tree, times: {shapes, shapes_s, planeBytes, planes_s, tree_s}} or {id, error}; the tree's arrays are whole rows
+//        of textures
+import {copied, instantiated} from './decoder.js';
 import {kWidth} from './slice_tree.js';
 
-let codec, group = null, groupKey = null;
+let ready = null, codec, group = null, groupKey = null;
 
 function enter(wanted) {
     if (groupKey === wanted.key) return;
@@ -22,12 +24,21 @@ function text(place) {
     return new TextDecoder().decode(bytes.slice(place, bytes.indexOf(0, place)));
 }
 
+// Returns the seconds that it took.
 function decode(request) {
     const bytes = copied(codec, request.bytes), sizes = copied(codec, new Uint8Array(Uint32Array.from(request.sizes).buffer));
-    const leaves = codec.neuvv_group_decode(group, bytes, request.bytes.length, sizes, request.partCount);
-    codec.free(bytes);
-    codec.free(sizes);
-    if (leaves < 0) throw new Error(`a frame ${text(codec.neuvv_group_error(group))}`);
+    const step = run => {
+        const begin = performance.now(), leaves = run(group, bytes, request.bytes.length, sizes, request.partCount);
+        if (leaves < 0) throw new Error(`a frame ${text(codec.neuvv_group_error(group))}`);
+        return (performance.now() - begin) / 1000;
+    };
+    try {
+        const shapes_s = step(codec.neuvv_group_decode_shape), planes_s = step(codec.neuvv_group_decode_planes);
+        return {shapes: 1, shapes_s, planes_s, planeBytes: request.bytes.length - request.sizes[0]};
+    } finally {
+        codec.free(bytes);
+        codec.free(sizes);
+    }
 }
 
 function sliceTree(request) {
@@ -48,15 +59,19 @@ function sliceTree(request) {
     return result;
 }
 
-const ready = compiled(new URL('decoder.wasm', import.meta.url)).then(instantiated).then(exports => codec = exports);
-
 self.onmessage = async ({data}) => {
+    if (data.module) {
+        ready = instantiated(data.module).then(exports => codec = exports);
+        ready.catch(() => {});  // it is thrown where frames are asked for
+        return;
+    }
     try {
         await ready;
         enter(data.group);
-        decode(data);
+        const times = decode(data), begin = performance.now();
         const tree = data.wantsTree ? sliceTree(data) : null;
-        self.postMessage({id: data.id, tree}, tree ? [tree.nodes.buffer, tree.entries.buffer, tree.links.buffer] : []);
+        times.tree_s = (performance.now() - begin) / 1000;
+        self.postMessage({id: data.id, tree, times}, tree ? [tree.nodes.buffer, tree.entries.buffer, tree.links.buffer] : []);
     } catch (error) {
         self.postMessage({id: data.id, error: String(error.message ?? error)});  // WebAssembly's have no message
     }

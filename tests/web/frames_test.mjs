@@ -1,0 +1,166 @@
+// Which frames the player for browsers asks for, and what it leaves out when they are not wanted any more.
+//   BUILT=… STREAM=… node --test frames_test.mjs      (BUILT: what tools/web/build made)
+import assert from 'node:assert';
+import fs from 'node:fs';
+import http from 'node:http';
+import path from 'node:path';
+import test from 'node:test';
+
+const built = path.resolve(process.env.BUILT), stream = fs.readFileSync(process.env.STREAM);
+const later = milliseconds => new Promise(resolve => setTimeout(resolve, milliseconds));
+
+// Node has no workers as browsers have them, and reads no files by fetch.
+const decoded = [];  // the requests for decoding
+globalThis.navigator ??= {hardwareConcurrency: 2};
+globalThis.Worker = class {
+    postMessage({id, module, partCount}) {
+        if (module) return;
+        decoded.push(partCount);
+        setTimeout(() => this.onmessage({data: {id, tree: {}, times: {shapes: 1}}}));
+    }
+    terminate() {}
+};
+const fetchOfNode = fetch;
+globalThis.fetch = (url, options) =>
+    url.protocol === 'file:' ? Promise.resolve(new Response(fs.readFileSync(url))) : fetchOfNode(url, options);
+const {FrameQueue} = await import(`${built}/frame_queue.js`);
+const {FrameReader} = await import(`${built}/frames.js`);
+
+// A reader of 1000 frames, each of which comes when it is told to.
+function fakeReader() {
+    const reader = {fps: 10, lead_s: 0, frames: Array(1000).fill({}), parts: 3, asked: [], arrivals: [], partsInTime: () => reader.parts,
+                    learnArrival: seconds => reader.arrivals.push(seconds),
+                    tree: (frame, partCount, signal) => new Promise((resolve, reject) => {
+                        reader.asked.push({frame, partCount, signal, come: () => resolve({frame})});
+                        signal.addEventListener('abort', () => reject(signal.reason));
+                    })};
+    return reader;
+}
+const kStill = {plays: false, waits: false, seeks: false, rate: 1, loops: false}, kPlays = {...kStill, plays: true};
+const framesOf = asked => asked.map(({frame}) => frame);
+const wanted = reader => framesOf(reader.asked.filter(({signal}) => !signal.aborted));
+
+async function showFirst(queue, reader, frame = 0, how = kStill) {
+    queue.follow(frame, how, 0);
+    reader.asked.at(-1).come();
+    await later(0);
+    assert.strictEqual(queue.take()?.tree.frame, frame);
+}
+
+test('nothing comes before the first picture, which has few parts', async () => {
+    const reader = fakeReader(), queue = new FrameQueue(reader);
+    await showFirst(queue, reader);
+    assert.deepStrictEqual(reader.asked.map(({frame, partCount}) => [frame, partCount]), [[0, 2]]);
+    queue.follow(0, kPlays, 16);
+    assert.deepStrictEqual(framesOf(reader.asked), [0, 1, 2, 3, 4]);
+    assert.strictEqual(reader.asked[1].partCount, 3, 'as many as come in time');
+});
+
+test('what stands still is read as a whole after a moment', async () => {
+    const reader = fakeReader(), queue = new FrameQueue(reader);
+    await showFirst(queue, reader);
+    queue.follow(0, kStill, 200);
+    assert(!framesOf(reader.asked.slice(1)).includes(0));
+    queue.follow(0, {...kStill, waits: true}, 300);
+    queue.follow(0, kStill, 400);
+    assert(!framesOf(reader.asked.slice(1)).includes(0), 'a player that waits does not stand still');
+    queue.follow(0, kStill, 600);
+    assert.deepStrictEqual([reader.asked.at(-1).frame, reader.asked.at(-1).partCount], [0, 5]);
+    reader.asked.at(-1).come();
+    await later(0);
+    assert(queue.take());
+    const count = reader.asked.length;
+    queue.follow(0, kStill, 900);
+    assert.strictEqual(reader.asked.length, count, 'once');
+});
+
+test('ten quick seeks ask for ten frames, and only the last is still wanted', async () => {
+    const reader = fakeReader(), queue = new FrameQueue(reader);
+    await showFirst(queue, reader);
+    queue.follow(0, kStill, 16);
+    const before = reader.asked.length;
+    for (let i = 1; i <= 10; ++i) queue.follow(90 * i, {...kStill, seeks: true}, 16 + 16 * i);
+    assert.strictEqual(reader.asked.length - before, 10);
+    assert.deepStrictEqual(wanted(reader), [0, 900]);
+    reader.asked.at(-1).come();
+    await later(0);
+    assert.strictEqual(queue.take().tree.frame, 900);
+    queue.follow(900, kStill, 300);
+    assert.deepStrictEqual(wanted(reader), [0, 900, 901, 902, 903, 904]);
+    for (const one of reader.asked.slice(-4)) one.come();
+    await later(0);
+    queue.follow(901, {...kStill, seeks: true}, 316);
+    assert(queue.has(904), 'what is decoded stays');
+});
+
+test('frames that cannot be there in time are left out', async () => {
+    const reader = fakeReader(), queue = new FrameQueue(reader);
+    await showFirst(queue, reader);
+    reader.lead_s = 0.25;
+    queue.follow(1, kPlays, 16);
+    assert.deepStrictEqual(framesOf(reader.asked), [0, 3, 4, 5]);
+    reader.asked[2].come();
+    await later(0);
+    queue.follow(5, kPlays, 316);
+    assert(!reader.asked[1].signal.aborted);
+    assert.strictEqual(queue.take().tree.frame, 4, 'late, but later than what is shown');
+    assert.strictEqual(queue.take(), null);
+    queue.follow(5, kPlays, 332);
+    assert(reader.asked[1].signal.aborted, 'earlier than what is shown');
+    assert.strictEqual(reader.arrivals.length, 1);
+    queue.follow(900, {...kStill, waits: true}, 320);
+    assert.deepStrictEqual(wanted(reader).filter(frame => frame >= 900), [900, 901, 902, 903, 904], 'but not while the player waits');
+});
+
+// Counts requests, and those that ended early.
+async function serve(delay_ms, context) {
+    const counts = {asked: 0, ended: 0};
+    const server = http.createServer(async (request, response) => {
+        const [, begin, end] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range).map(Number);
+        ++counts.asked;
+        response.on('close', () => counts.ended += response.writableFinished ? 0 : 1);
+        await later(delay_ms);
+        const part = stream.subarray(begin, end + 1);
+        response.writeHead(206, {'Content-Range': `bytes ${begin}-${begin + part.length - 1}/${stream.length}`}).end(part);
+    });
+    await new Promise(resolve => server.listen(0, '127.0.0.1', resolve));
+    context.after(() => server.closeAllConnections() ?? server.close());
+    return {url: new URL(`http://127.0.0.1:${server.address().port}/stream.nvs`), counts};
+}
+
+test('what is not wanted any more is not decoded', async context => {
+    const server = await serve(0, context), reader = await FrameReader.open(server.url);
+    decoded.length = 0;
+    for (let i = 0; i < 10; ++i) {
+        const stop = new AbortController(), tree = reader.tree(i % 4, 5, stop.signal);
+        stop.abort();
+        await assert.rejects(tree, {name: 'AbortError'});
+    }
+    assert.strictEqual(decoded.length, 0);
+    const last = reader.frames.findLastIndex(frame => !frame.isKey);
+    await reader.tree(last, 3);
+    assert.deepStrictEqual(decoded, [3, 3], 'what it repeats comes first, of as many parts');
+    await reader.tree(last, 5);
+    assert.deepStrictEqual(decoded, [3, 3, 5, 5]);
+    reader.end();
+});
+
+test('a read that ends leaves others what they wait for', async context => {
+    const {RangeSource} = await import(`${built}/source.js`);
+    const server = await serve(40, context), source = new RangeSource(server.url);
+    const first = new AbortController(), second = new AbortController();
+    const one = source.read(0, 1000, first.signal), two = source.read(100, 1000, second.signal);
+    await later(5);
+    first.abort();
+    await assert.rejects(one, {name: 'AbortError'});
+    assert.deepStrictEqual(Buffer.from(await two), stream.subarray(100, 1100));
+    assert.deepStrictEqual({...server.counts}, {asked: 1, ended: 0});
+    const again = new RangeSource(server.url), third = new AbortController();
+    const three = again.read(0, 1000, third.signal);
+    await later(5);
+    third.abort();
+    const four = again.read(0, 1000);  // at once after what ended
+    await assert.rejects(three, {name: 'AbortError'});
+    assert.deepStrictEqual(Buffer.from(await four), stream.subarray(0, 1000));
+    assert.deepStrictEqual({...server.counts}, {asked: 3, ended: 1});
+});
