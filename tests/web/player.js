@@ -2,6 +2,7 @@
 import {FrameReader} from '/frames.js';
 import {pixels, psnr} from '/test/images.js';
 import {lookAt, multiply, perspective} from '/matrices.js';
+import {useControls} from './controls.js';
 import {Renderer} from '/renderer.js';
 
 const results = {};
@@ -139,6 +140,7 @@ try {
     const plan = await (await fetch('/views/views.json')).json();
     await compareViews(plan);
     await useElement(plan.stream);
+    results.controls = await useControls(plan.stream);
 } catch (error) {
     results.problem = `${error.message}\n${error.stack}`;
 }

@@ -92,6 +92,7 @@ if (!results.problem) {
     expect(results.element.fetched_s > 0.9 * results.element.duration, 'what has been fetched is not told');
     expect(results.element.recovers, 'the player does not recover');
     expect(results.element.duration > 0 && results.element.stepped > 0, 'the player does not step');
+    for (const text of results.controls) wrong.push(text);
     const others = missing.filter(name => name !== '/missing.nvs');
     expect(others.length === 0, `asked for ${others}`);
 }
