@@ -41,7 +41,14 @@ export async function resultsOf({page, roots, sent = {}, answers = {}, most_s = 
         const name = new URL(request.url, 'http://x').pathname, reply = name === '/results' ? finish : answers[name];
         if (reply) {
             let body = '';
-            request.on('data', part => body += part).on('end', () => response.end(reply(JSON.parse(body))));
+            request.on('data', part => body += part).on('end', () => {
+                try {
+                    response.end(reply(JSON.parse(body)));
+                } catch (error) {
+                    response.writeHead(500).end();
+                    finish({problem: `${name}: ${error.message}`});
+                }
+            });
             return;
         }
         const content = sent[name] ?? file(name, roots);

@@ -1,4 +1,5 @@
 // The player in a headset that IWER (npm) simulates: each eye against what NeuVV renders from there; hands that move it.
+import {pixels as imagePixels, psnr} from './images.js';
 import {XRDevice, metaQuest3} from '/modules/iwer/build/iwer.module.min.js';
 
 const results = {eyes: []};
@@ -13,7 +14,7 @@ async function frames(session, count) {
     for (let i = 0; i < count; ++i) await inFrame(session, () => {});
 }
 
-// The part of the canvas that an eye sees, from the top, over black: sRGB, three numbers a pixel.
+// The part of the canvas that an eye sees, from the top, over black: sRGB, as images.js has pixels.
 function pixelsOf(gl, {x, y, width, height}) {
     const read = new Uint8Array(4 * width * height), result = [];
     gl.readPixels(x, y, width, height, gl.RGBA, gl.UNSIGNED_BYTE, read);
@@ -21,6 +22,7 @@ function pixelsOf(gl, {x, y, width, height}) {
         for (let at = 4 * row * width; at < 4 * (row + 1) * width; at += 4) {
             const alpha = read[at + 3] / 255;  // light that is premultiplied after it was encoded
             for (let i = 0; i < 3; ++i) result.push(alpha > 0 ? 255 * kEncode(alpha * kDecode(read[at + i] / 255 / alpha)) : 0);
+            result.push(255);
         }
     return result;
 }
@@ -28,14 +30,8 @@ function pixelsOf(gl, {x, y, width, height}) {
 async function imageOf(url, body) {
     const answer = await fetch(url, {method: 'POST', body: JSON.stringify(body)});
     if (!answer.ok) throw new Error(await answer.text());
-    const bitmap = await createImageBitmap(await answer.blob()), context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d');
-    context.drawImage(bitmap, 0, 0);
-    return [...context.getImageData(0, 0, bitmap.width, bitmap.height).data].filter((_, i) => i % 4 !== 3);
-}
-
-function psnr(a, b) {
-    if (a.length !== b.length) throw new Error(`images of ${a.length} and ${b.length} numbers`);
-    return 10 * Math.log10(255 ** 2 / Math.max(a.reduce((sum, value, i) => sum + (value - b[i]) ** 2, 0) / a.length, 1e-9));
+    const bitmap = await createImageBitmap(await answer.blob());
+    return imagePixels(bitmap, bitmap.width, bitmap.height);
 }
 
 // The camera of an eye in the stream's coordinates, as a transforms.json has it. The performer stands 2 m ahead.

@@ -71,7 +71,7 @@ fs.writeFileSync(path.join(folder, 'least_db.json'), JSON.stringify(kLeast_db));
 makeLoneStages();
 renderTurned();
 makeRing();
-const roots = [['/test/', here], ['/views/', folder], ['/without/three/', path.join(folder, 'nothing')], ['/without/', built], ['/', built]];
+const roots = [['/test/', here], ['/views/', folder], ['/without/stage/', path.join(folder, 'nothing')], ['/without/', built], ['/', built]];
 const {results, asked, missing} = await resultsOf({page: '/test/three.html?src=/views/ring.gltf', roots});
 
 const wrong = [];
@@ -91,7 +91,7 @@ if (results.problem) {
     const isNamed = ['berta.nvv', 'the paint of "anna"'].every(text => results.warnings[0]?.includes(text));
     expect(results.warnings.length === 1 && isNamed, `warned: ${results.warnings}`);
     expect(results.errors.length === 0, `the console has errors: ${results.errors}`);
-    const others = missing.filter(name => !name.startsWith('/without/three/'));
+    const others = missing.filter(name => !name.startsWith('/without/stage/'));
     expect(others.length === 0, `asked for ${others}`);
 }
 if (!given) fs.rmSync(folder, {recursive: true});

@@ -1,7 +1,7 @@
 // Performers in scenes of three.js, in a browser: images against those that NeuVV rendered, and what can be counted.
-import * as THREE from '/three/three.module.js';
-import {GLTFLoader} from '/three/GLTFLoader.js';
-import {NeuvvPerformerExtension, PerformerMesh} from '/three/index.js';
+import * as THREE from '/stage/three.module.js';
+import {GLTFLoader} from '/stage/GLTFLoader.js';
+import {NeuvvPerformerExtension, PerformerMesh} from '/stage/index.js';
 import {TimeMap, timeMapText} from '/time_map.js';
 import {pixels, psnr} from '/test/images.js';
 

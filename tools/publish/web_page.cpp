@@ -58,7 +58,8 @@ std::string titled_page(const WebPlayer& player, const std::string& title) {
     return page.replace(begin, end - begin, html_text(title));
 }
 
-// Nothing else than the earlier page may lie in the folder, but for what a run that was killed left there.
+// A folder without the list of an earlier page must be empty, but for what a run that was killed left there. Beside an
+// earlier page, other files may lie, which stay.
 std::vector<std::string> files_of_earlier_page(const std::filesystem::path& folder) {
     std::error_code error;
     bool empty = true;

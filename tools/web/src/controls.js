@@ -4,6 +4,8 @@ const kIcons = {play: 'M3 2v12l10-6z', pause: 'M3 2h4v12H3zM9 2h4v12H9z', whole:
                 loud: 'M2 6h3l4-4v12l-4-4H2zM11 4a5 5 0 0 1 0 8V10a3 3 0 0 0 0-4z', silent: 'M2 6h3l4-4v12l-4-4H2zM11 6l1-1 4 5-1 1zM15 5l1 1-4 5-1-1z',
                 headset: 'M1 4h14v8h-5l-2-3-2 3H1zM3 6v2h3V6zM10 6v2h3V6z'};
 
+const kPause = 250;  // milliseconds until what has been fetched is shown anew
+
 export const kControlsStyle = `
 .bar { position: absolute; inset: auto 0 0 0; display: flex; gap: .5em; align-items: center; padding: .4em; background: #0008; color: #fff; font: 14px sans-serif; }
 .bar[hidden], .bar button[hidden], .bar .volume[hidden] { display: none; }
@@ -19,10 +21,10 @@ function minutes(seconds) {
 }
 
 export class Controls {
-    #player; #bar; #play; #line; #held; #clock; #mute; #volume; #told = '';
+    #player; #bar; #play; #line; #held; #clock; #mute; #volume; #told = ''; #shownAt = 0;
 
-    /** Adds itself to a parent. `fillScreen`: is called by its button. */
-    constructor(player, parent, fillScreen) {
+    /** Adds itself to a parent. `fillScreen`: is called by its button. `say`: shows a line, or none where it is empty. */
+    constructor(player, parent, fillScreen, say) {
         this.#player = player;
         const add = (to, name, properties = {}) => to.appendChild(Object.assign(document.createElement(name), properties));
         this.#bar = add(parent, 'div', {className: 'bar', hidden: true});
@@ -37,7 +39,7 @@ export class Controls {
         this.#volume = add(this.#bar, 'input', {type: 'range', className: 'volume', min: 0, max: 1, step: 0.05,
                                                 oninput: () => { player.volume = Number(this.#volume.value); }});
         this.#volume.setAttribute('aria-label', 'volume');
-        const headset = this.#button(() => player.enterXR().catch(error => player.fail(error)), 'headset', 'enter the headset');
+        const headset = this.#button(() => player.enterXR().catch(error => say(error.name === 'NotAllowedError' ? '' : error.message)), 'headset', 'enter the headset');
         headset.hidden = true;
         navigator.xr?.isSessionSupported('immersive-vr').then(is => headset.hidden = !is, () => {});
         this.#button(fillScreen, 'whole', 'full screen');
@@ -47,6 +49,9 @@ export class Controls {
     set hidden(on) { this.#bar.hidden = on; }
     /** Shows which parts of the time have been fetched. */
     showHeld() {
+        const now = performance.now();
+        if (this.#bar.hidden || now - this.#shownAt < kPause) return;
+        this.#shownAt = now;
         const {buffered, duration} = this.#player, parts = Array.from({length: buffered.length}, (_, i) => [buffered.start(i), buffered.end(i)]);
         const told = `${parts} of ${duration}`;
         if (told === this.#told) return;

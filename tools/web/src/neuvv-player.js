@@ -9,6 +9,7 @@ import {Immersion} from './xr.js';
 const kMostDensity = 2;        // rays across and down of a pixel of the page
 const kStill = 300;            // milliseconds after which a picture that does not change gets more rays
 const kStepTurn = 0.1;         // radians, of an arrow key
+const kProperties = ['src', 'poster', 'loop', 'autoplay', 'controls', 'muted', 'volume', 'playbackRate', 'currentTime'];
 
 const kStyle = `
 :host { display: block; position: relative; aspect-ratio: 1; background: #181818; touch-action: pan-y; }
@@ -23,7 +24,7 @@ canvas { cursor: grab; outline-offset: -2px; }
 export class NeuvvPlayer extends playing(HTMLElement) {
     static observedAttributes = ['src', 'sound', 'controls', 'poster', 'muted'];
     #canvas; #poster; #problem; #controls; #sizes; #orbit;
-    #renderer = null; #opening = 0; #immersion = null; #frameRequest = 0; #due = true; #changed = 0;
+    #renderer = null; #opening = 0; #immersion = null; #entering = null; #frameRequest = 0; #due = true; #changed = 0;
 
     constructor() {
         super();
@@ -37,7 +38,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
         this.#poster = add('img', {className: 'poster', hidden: true, alt: ''});
         this.#problem = add('div', {className: 'problem'});
         this.#problem.setAttribute('role', 'alert');
-        this.#controls = new Controls(this, root, () => this.#fillScreen());
+        this.#controls = new Controls(this, root, () => this.#fillScreen(), text => this.#problem.textContent = text);
         this.#sizes = new ResizeObserver(() => this.#due = true);
         this.#orbit = new Orbit(() => this.#due = true);
         this.#listen();
@@ -58,8 +59,14 @@ export class NeuvvPlayer extends playing(HTMLElement) {
      * Shows the performer in a headset; `mode`: 'immersive-vr' or 'immersive-ar'. A browser allows it only while it handles a
      * click or a key. The promise rejects where there is no headset, or while nothing is shown.
      */
-    async enterXR(mode = 'immersive-vr') {
-        if (this.#immersion) return;
+    enterXR(mode = 'immersive-vr') {
+        this.#entering ??= this.#enter(mode).catch(error => {
+            this.#entering = null;
+            throw error;
+        });
+        return this.#entering;
+    }
+    async #enter(mode) {
         if (!navigator.xr) throw new Error('this browser has no WebXR; headsets need a page that comes by https');
         if (!this.#renderer || !this.box) throw new Error('there is nothing to be shown yet');
         const immersion = new Immersion(this.#renderer, this);
@@ -69,7 +76,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
             cancelAnimationFrame(this.#frameRequest);
             this.dispatchEvent(new Event('enterxr'));
             immersion.ended.then(() => {
-                this.#immersion = null;
+                this.#immersion = this.#entering = null;
                 this.dispatchEvent(new Event('leavexr'));
                 if (this.#renderer) this.#schedule();
                 this.#due = true;
@@ -91,6 +98,12 @@ export class NeuvvPlayer extends playing(HTMLElement) {
     }
 
     connectedCallback() {
+        for (const name of kProperties) {  // that were set before this class was known
+            if (!Object.hasOwn(this, name)) continue;
+            const value = this[name];
+            delete this[name];
+            this[name] = value;
+        }
         if (this.readyState === 0) this.#begin();
     }
     disconnectedCallback() {
@@ -101,7 +114,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
     attributeChangedCallback(name, _, value) {
         if (name === 'controls') this.#controls.hidden = !this.controls;
         if (name === 'muted') this.muted = value !== null;
-        if (name === 'poster' && this.poster) Object.assign(this.#poster, {src: this.poster, hidden: this.readyState >= 2});
+        if (name === 'poster') Object.assign(this.#poster, {src: this.poster, hidden: !this.poster || this.readyState >= 2});
         if ((name === 'src' || name === 'sound') && this.isConnected) this.#begin();
     }
 
@@ -144,6 +157,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
     }
     #tick(now) {
         this.#take(now);
+        if (!this.#renderer) return;  // an event's listener has ended the player
         if (this.#due) this.#changed = now;
         if (!this.#resize(now) && !this.#due) return;
         this.#due = false;
@@ -159,7 +173,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
     // Shows the frame of this time, where it is another one.
     #take(now) {
         const tree = this.tick(now);
-        if (!tree) return;
+        if (!tree || !this.#renderer) return;
         const begin = performance.now();
         this.#renderer.show(tree);
         this.learnShown(tree, (performance.now() - begin) / 1000);
@@ -196,7 +210,14 @@ export class NeuvvPlayer extends playing(HTMLElement) {
         });
         for (const name of ['error', 'emptied', 'play'])
             this.addEventListener(name, () => this.#problem.textContent = this.error ? `${this.src}: ${this.error.message}` : '');
-        this.addEventListener('emptied', () => this.#poster.hidden = !this.poster);
+        this.addEventListener('play', () => {  // which an error of drawing has ended
+            if (this.#renderer && !this.#immersion) this.#schedule();
+        });
+        this.addEventListener('emptied', () => {
+            this.#poster.hidden = !this.poster;
+            this.#renderer?.hide();
+            this.#due = true;
+        });
         for (const name of ['timeupdate', 'loadeddata', 'emptied']) this.addEventListener(name, () => this.#controls.showHeld());
     }
     #fillScreen() {

@@ -50,6 +50,7 @@ export class Renderer {
         this.#gl = canvas.getContext('webgl2', {alpha: true, premultipliedAlpha: true, antialias: false, depth: true,
                                                 powerPreference: 'high-performance'});
         if (!this.#gl) throw new WebglMissing('this browser has no WebGL 2');
+        if (this.#gl.isContextLost()) throw new WebglMissing('the browser has just lost its graphics; try again');
         if (this.#gl.getParameter(this.#gl.MAX_TEXTURE_SIZE) < kWidth) throw new WebglMissing('this browser has too small textures');
         this.#walk = walk;
     }
@@ -60,6 +61,11 @@ export class Renderer {
         const next = new TreeOnDevice(this.#gl, tree);
         this.#tree?.free();
         this.#tree = next;
+    }
+    /** Shows nothing until show() is called. */
+    hide() {
+        this.#tree?.free();
+        this.#tree = null;
     }
     /** `background`: linear RGB and alpha; what is not opaque is blended with the page. */
     clear(background = [0, 0, 0, 0]) {
@@ -107,8 +113,7 @@ export class Renderer {
     }
     /** Frees all that it has on the device. */
     end() {
-        this.#tree?.free();
-        this.#tree = null;
+        this.hide();
         for (const {program} of this.#programs.values()) this.#gl.deleteProgram(program);
         this.#programs.clear();
     }

@@ -2,6 +2,7 @@
 // picture's to make up for: it can wait unnoticed.
 
 const kJump = 0.5;       // seconds; a clock that goes on by more of its own between two images has jumped
+const kLeastRate = 1 / 16, kMostRate = 16;  // outside of which browsers play no sound
 const kMostApart = 1;    // seconds between sound and picture that are waited for
 const kUsualDistance = 2;  // metres at which it is as loud as its file: kUsualDistance_m of engine/stage/sound/pan.h
 
@@ -17,11 +18,13 @@ export class Sound {
     set volume(volume) {
         this.#volume = volume;
         if (this.#audio) this.#audio.volume = volume;
+        this.#context?.resume();  // which a browser may have refused before it could be heard
     }
     get muted() { return this.#muted; }
     set muted(on) {
         this.#muted = on;
         if (this.#audio) this.#audio.muted = on;
+        this.#context?.resume();
     }
     /** Opens the sound at an address; null: there is none. One that cannot be read is silent. */
     open(url) {
@@ -32,18 +35,18 @@ export class Sound {
         document.addEventListener('visibilitychange', this.#whenHidden);  // no image is drawn then, which could stop it
     }
     /**
-     * It is heard from `time`, seconds, on, so many times as fast; 0: not. Returns where it is, which the picture has to keep
+     * It is heard from `time`, seconds, on, so many times as fast; too slow or too fast, 0 too: not. Returns where it is, which the picture has to keep
      * to; null where it does not run. It begins anew only where `time` jumps: a browser may take long for that.
      */
     follow(time, rate) {
         const audio = this.#audio, isJump = time < this.#last || time > this.#last + kJump * Math.max(1, rate);
         this.#last = time;
         if (!audio || audio.error) return null;
-        if (rate === 0 || time >= audio.duration || document.hidden) {
+        if (rate < kLeastRate || rate > kMostRate || time >= audio.duration || document.hidden) {
             audio.pause();
             return null;
         }
-        audio.playbackRate = Math.max(1 / 16, rate);
+        audio.playbackRate = rate;
         if (audio.paused && this.#mustWait()) return null;
         if (isJump || audio.paused || Math.abs(time - audio.currentTime) > kMostApart * Math.max(1, rate)) audio.currentTime = time;
         if (audio.paused) this.#begin();
@@ -66,7 +69,7 @@ export class Sound {
     }
 
     // Browsers let no page be heard before somebody has touched it.
-    #mustWait() { return this.#isBlocked && !navigator.userActivation?.hasBeenActive; }
+    #mustWait() { return this.#isBlocked && navigator.userActivation?.hasBeenActive === false; }
     #begin() {
         this.#isBlocked = false;
         this.#audio.play().then(() => this.#spread(), error => this.#isBlocked = error.name === 'NotAllowedError');

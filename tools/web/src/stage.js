@@ -6,16 +6,16 @@ const kAngle = 40;       // degrees from the top to the bottom of the image, whe
 const kUsualView = {position: [0, 1.6, 4], target: [0, 1, 0]};  // metres
 
 const problem = document.body.appendChild(Object.assign(document.createElement('div'), {className: 'problem', role: 'alert'}));
-const say = error => problem.textContent = error.message;
+const say = text => problem.textContent = text;
 
 /** Three.js and what belongs to it, which tools/web/build leaves beside this page. */
 async function libraries() {
     try {
         const [three, {GLTFLoader}, {OrbitControls}, {NeuvvPerformerExtension}] = await Promise.all(
-            ['three.module', 'GLTFLoader', 'OrbitControls', 'index'].map(name => import(`./three/${name}.js`)));
+            ['three.module', 'GLTFLoader', 'OrbitControls', 'index'].map(name => import(`./stage/${name}.js`)));
         return {three, GLTFLoader, OrbitControls, NeuvvPerformerExtension};
-    } catch {
-        throw new Error('three.js is not beside this page: `tools/web/build OUT node_modules/three` copies it, after `npm install three`');
+    } catch (error) {
+        throw new Error(`three.js is not beside this page (\`tools/web/build OUT node_modules/three\` copies it, after \`npm install three\`): ${error.message}`);
     }
 }
 
@@ -64,7 +64,7 @@ function addControls(stage, renderer) {
     const kFeatures = {optionalFeatures: ['local-floor']};
     const enterXR = async () => renderer.xr.setSession(await navigator.xr.requestSession('immersive-vr', kFeatures));
     const fillScreen = () => document.fullscreenElement ? document.exitFullscreen() : document.body.requestFullscreen();
-    new Controls(Object.assign(stage, {enterXR, fail: say}), document.body, fillScreen).hidden = false;
+    new Controls(Object.assign(stage, {enterXR}), document.body, fillScreen, say).hidden = false;
 }
 
 async function begin() {
@@ -84,7 +84,8 @@ async function begin() {
     addEventListener('resize', resize);
     resize();
     standInHeadset(all, renderer, scene, camera);
-    for (const {name, mesh} of stage.performers) mesh.media.addEventListener('error', ({message}) => say(new Error(`${name}: ${message}`)));
+    for (const {name, mesh} of stage.performers) mesh.media.addEventListener('error', ({message}) => say(`${name}: ${message}`));
+    stage.addEventListener('play', () => say(''));
     addControls(stage, renderer);
     renderer.setAnimationLoop(now => {
         if (!renderer.xr.isPresenting) orbit.update();
@@ -94,4 +95,4 @@ async function begin() {
     stage.play();
 }
 
-begin().catch(say);
+begin().catch(error => say(error.message));

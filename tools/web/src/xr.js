@@ -40,7 +40,7 @@ function floorLines() {
 
 export class Immersion {
     #renderer; #player; #take; #session = null; #space = null; #lines = null; #isRoom = true;
-    #turn = 0; #scale = 1; #at = [0, 0, -kAhead]; #grabs = new Map(); #rays = 1; #last = null; #late = 1;
+    #turn = 0; #scale = 1; #at = [0, 0, -kAhead]; #grabs = new Map(); #rays = 1; #last = null; #late = 1; #isOver = false;
     /** Resolves when the headset is left. */
     ended;
 
@@ -51,6 +51,9 @@ export class Immersion {
     /** `take`: is called with the time of each image, milliseconds, before it is drawn. Rejects where there is no such headset. */
     async begin(mode, take) {
         const session = await navigator.xr.requestSession(mode, {requiredFeatures: ['local-floor'], optionalFeatures: ['hand-tracking']});
+        const expectToGoOn = () => {
+            if (this.#isOver) throw new Error('the player was left before its headset was entered');
+        };
         this.#session = session;
         this.#take = take;
         this.ended = new Promise(resolve => session.addEventListener('end', () => {
@@ -59,11 +62,14 @@ export class Immersion {
         }));
         try {
             const gl = this.#renderer.gl;
+            expectToGoOn();
             await gl.makeXRCompatible();
+            expectToGoOn();
             const layer = new XRWebGLLayer(session, gl, {antialias: false});
             if (layer.fixedFoveation !== undefined && layer.fixedFoveation !== null) layer.fixedFoveation = 1;
             session.updateRenderState({baseLayer: layer, depthNear: kNear, depthFar: kFar});
             this.#space = await session.requestReferenceSpace('local-floor');
+            expectToGoOn();
             this.#lines = new Lines(gl);
             this.#isRoom = mode === 'immersive-vr';
         } catch (error) {
@@ -76,11 +82,19 @@ export class Immersion {
         }
         const draw = (now, frame) => {
             session.requestAnimationFrame(draw);
-            this.#draw(now, frame);
+            try {
+                this.#draw(now, frame);
+            } catch (error) {
+                this.leave();
+                this.#player.fail(error);
+            }
         };
         session.requestAnimationFrame(draw);
     }
-    leave() { this.#session?.end().catch(() => {}); }
+    leave() {
+        this.#isOver = true;
+        this.#session?.end().catch(() => {});
+    }
 
     // From the stream's coordinates to the room: the middle of the box's floor stands at #at.
     #worldFromTree() {

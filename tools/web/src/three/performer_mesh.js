@@ -1,5 +1,5 @@
 // A performer as an object of a scene of three.js.
-import {Box3, BoxGeometry, BufferGeometry, DataTexture, LinearSRGBColorSpace, Matrix4, Mesh, RGBAIntegerFormat, RGIntegerFormat,
+import {Box3, BoxGeometry, BufferGeometry, DataTexture, LinearSRGBColorSpace, Matrix4, Mesh, Object3D, RGBAIntegerFormat, RGIntegerFormat,
         RedIntegerFormat, SRGBColorSpace, UnsignedIntType, Vector3} from 'three';
 import {eyeOf, raysOf} from '../matrices.js';
 import {playing} from '../playing.js';
@@ -33,7 +33,7 @@ function filled(texture, {channels, words, rows}) {
  * logarithmic nor reversed; tone mapping, fog and clipping planes do not change it.
  */
 export class PerformerMesh extends Mesh {
-    #uniforms = walkUniforms(); #materials = null; #rows = 0; #isDisposed = false; #clipFromTree = new Matrix4();
+    #options; #uniforms = walkUniforms(); #materials = null; #rows = 0; #isDisposed = false; #clipFromTree = new Matrix4();
     media = new Media();
     opacity = 1;
 
@@ -43,10 +43,18 @@ export class PerformerMesh extends Mesh {
      */
     constructor({url, sound = null, loop = true, isLit = false}) {
         super(new BufferGeometry(), []);
+        this.#options = {url, sound, loop, isLit};
         this.media.loop = loop;
         this.media.addEventListener('loadedmetadata', () => this.#fit(this.media.box));
         this.media.addEventListener('error', ({message}) => console.error(`${url}: ${message}`));
         this.#open(new URL(url, document.baseURI), sound && new URL(sound, document.baseURI), isLit);
+    }
+    /** Another one with a clock of its own. */
+    clone(recursive) { return new this.constructor(this.#options).copy(this, recursive); }
+    copy(source, recursive) {
+        Object3D.prototype.copy.call(this, source, recursive);  // neither its box nor its materials
+        this.opacity = source.opacity;
+        return this;
     }
     /** Shows what is due at `now`, as requestAnimationFrame gives it, milliseconds; it is heard from where the camera is. */
     update(now, camera = null) {

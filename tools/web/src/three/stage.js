@@ -6,7 +6,7 @@ const kAhead = 4;         // frames that are asked for before they are due
 const kMostStep = 250;    // milliseconds; a page that was hidden goes on where it was
 const kAround = 3;        // metres around performers in which directional lights cast shadows
 
-/** Plays all that a glTF has, with the names and events of HTMLMediaElement. */
+/** Plays all that a glTF has. Its events are HTMLMediaElement's `loadedmetadata`, `play`, `pause`, `timeupdate`, `volumechange` and `ended`. */
 export class Stage extends EventTarget {
     #performers; #mixer; #actions; #given; #scene; #time = 0; #last = null; #paused = true; #duration = 0; #muted = false; #volume = 1;
     loop = true;
@@ -40,8 +40,8 @@ export class Stage extends EventTarget {
     get isReady() {
         return this.#performers.every(({mesh, map}) => !mesh.visible || mesh.media.error || (map && mesh.media.readyState >= 2));
     }
-    /** 2, as HTMLMediaElement has it, while isReady. */
-    get readyState() { return this.isReady ? 2 : 0; }
+    /** HTMLMediaElement's: 0 nothing is known, 1 how long it lasts, 2 all frames of this time are there. */
+    get readyState() { return this.isReady ? 2 : this.#performers.some(({map}) => map) ? 1 : 0; }
     get hasSound() { return this.#performers.some(({mesh}) => mesh.media.hasSound); }
     get muted() { return this.#muted; }
     set muted(on) {
