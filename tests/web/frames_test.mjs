@@ -36,22 +36,22 @@ function fakeReader() {
                     })};
     return reader;
 }
-const kStill = {plays: false, waits: false, seeks: false, rate: 1, loops: false}, kPlays = {...kStill, plays: true};
 const framesOf = asked => asked.map(({frame}) => frame);
 const wanted = reader => framesOf(reader.asked.filter(({signal}) => !signal.aborted));
+const from = first => Array.from({length: 5}, (_, i) => first + i);
 
-async function showFirst(queue, reader, frame = 0, how = kStill) {
-    queue.follow(frame, how, 0);
+async function showFirst(queue, reader) {
+    queue.follow(from(0), {rate: 0}, 0);
     reader.asked.at(-1).come();
     await later(0);
-    assert.strictEqual(queue.take()?.tree.frame, frame);
+    assert.strictEqual(queue.take()?.tree.frame, 0);
 }
 
 test('nothing comes before the first picture, which has few parts', async () => {
     const reader = fakeReader(), queue = new FrameQueue(reader);
     await showFirst(queue, reader);
     assert.deepStrictEqual(reader.asked.map(({frame, partCount}) => [frame, partCount]), [[0, 2]]);
-    queue.follow(0, kPlays, 16);
+    queue.follow(from(0), {rate: 1}, 16);
     assert.deepStrictEqual(framesOf(reader.asked), [0, 1, 2, 3, 4]);
     assert.strictEqual(reader.asked[1].partCount, 3, 'as many as come in time');
 });
@@ -59,37 +59,46 @@ test('nothing comes before the first picture, which has few parts', async () => 
 test('what stands still is read as a whole after a moment', async () => {
     const reader = fakeReader(), queue = new FrameQueue(reader);
     await showFirst(queue, reader);
-    queue.follow(0, kStill, 200);
+    queue.follow(from(0), {rate: 0}, 200);
+    queue.follow(from(1), {rate: 0}, 300);
+    queue.follow(from(1), {rate: 0}, 900);
     assert(!framesOf(reader.asked.slice(1)).includes(0));
-    queue.follow(0, {...kStill, waits: true}, 300);
-    queue.follow(0, kStill, 400);
-    assert(!framesOf(reader.asked.slice(1)).includes(0), 'a player that waits does not stand still');
-    queue.follow(0, kStill, 600);
-    assert.deepStrictEqual([reader.asked.at(-1).frame, reader.asked.at(-1).partCount], [0, 5]);
-    reader.asked.at(-1).come();
+    assert(reader.asked.every(({partCount}) => partCount < 5), 'what is not there does not stand still');
+    reader.asked[1].come();
     await later(0);
-    assert(queue.take());
+    assert.strictEqual(queue.take().tree.frame, 1);
+    queue.follow(from(1), {rate: 0}, 1100);
+    assert.strictEqual(framesOf(reader.asked).filter(frame => frame === 1).length, 1);
+    queue.follow(from(1), {rate: 0, waits: true}, 1200);
+    queue.follow(from(1), {rate: 0}, 1300);
+    assert(reader.asked.every(({partCount}) => partCount < 5), 'nor does a player that waits');
+    queue.follow(from(1), {rate: 0}, 1500);
+    const whole = reader.asked.find(({partCount}) => partCount === 5);
+    assert.strictEqual(whole.frame, 1);
+    whole.come();
+    await later(0);
+    assert.strictEqual(queue.take().partCount, 5);
     const count = reader.asked.length;
-    queue.follow(0, kStill, 900);
+    queue.follow(from(1), {rate: 0}, 1900);
     assert.strictEqual(reader.asked.length, count, 'once');
 });
 
 test('ten quick seeks ask for ten frames, and only the last is still wanted', async () => {
     const reader = fakeReader(), queue = new FrameQueue(reader);
     await showFirst(queue, reader);
-    queue.follow(0, kStill, 16);
+    queue.follow(from(0), {rate: 0}, 16);
     const before = reader.asked.length;
-    for (let i = 1; i <= 10; ++i) queue.follow(90 * i, {...kStill, seeks: true}, 16 + 16 * i);
+    for (let i = 1; i <= 10; ++i) queue.follow(from(90 * i), {rate: 0, seeks: true}, 16 + 16 * i);
     assert.strictEqual(reader.asked.length - before, 10);
     assert.deepStrictEqual(wanted(reader), [0, 900]);
     reader.asked.at(-1).come();
     await later(0);
     assert.strictEqual(queue.take().tree.frame, 900);
-    queue.follow(900, kStill, 300);
+    queue.follow(from(900), {rate: 0}, 300);
     assert.deepStrictEqual(wanted(reader), [0, 900, 901, 902, 903, 904]);
     for (const one of reader.asked.slice(-4)) one.come();
     await later(0);
-    queue.follow(901, {...kStill, seeks: true}, 316);
+    queue.follow(from(901), {rate: 0, seeks: true}, 316);
     assert(queue.has(904), 'what is decoded stays');
 });
 
@@ -97,19 +106,20 @@ test('frames that cannot be there in time are left out', async () => {
     const reader = fakeReader(), queue = new FrameQueue(reader);
     await showFirst(queue, reader);
     reader.lead_s = 0.25;
-    queue.follow(1, kPlays, 16);
+    queue.follow(from(1), {rate: 1}, 16);
     assert.deepStrictEqual(framesOf(reader.asked), [0, 3, 4, 5]);
     reader.asked[2].come();
     await later(0);
-    queue.follow(5, kPlays, 316);
+    queue.follow(from(5), {rate: 1}, 316);
     assert(!reader.asked[1].signal.aborted);
     assert.strictEqual(queue.take().tree.frame, 4, 'late, but later than what is shown');
     assert.strictEqual(queue.take(), null);
-    queue.follow(5, kPlays, 332);
+    queue.follow(from(5), {rate: 1}, 332);
     assert(reader.asked[1].signal.aborted, 'earlier than what is shown');
     assert.strictEqual(reader.arrivals.length, 1);
-    queue.follow(900, {...kStill, waits: true}, 320);
-    assert.deepStrictEqual(wanted(reader).filter(frame => frame >= 900), [900, 901, 902, 903, 904], 'but not while the player waits');
+    queue.follow(from(900), {rate: 0}, 348);
+    assert.deepStrictEqual(wanted(reader).filter(frame => frame >= 900), from(900), 'but not while the player waits');
+    assert.deepStrictEqual(wanted(reader).filter(frame => frame > 4 && frame < 900), [], 'after a jump');
 });
 
 // Counts requests, and those that ended early.

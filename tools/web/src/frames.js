@@ -118,8 +118,8 @@ export class FrameReader {
     partsInTime(frame) {
         return this.#pace?.parts(this.frames[frame].group, this.#source.bytesPerSecond, performance.now() / 1000) ?? kLeastParts;
     }
-    /** A tree was shown, which took so many seconds. */
-    learnShown({times}, seconds) { this.#pace?.learn(times, times.tree_s + seconds); }
+    /** What a tree took that is shown. What is done on this thread does not wait for decoders, and is left out. */
+    learn(times) { this.#pace?.learn(times, times.tree_s); }
     /** A frame was there so many seconds after it was asked for so that it came in time. */
     learnArrival(seconds) { this.#pace?.learnArrival(seconds); }
     /** A frame that is asked for now is nearly always there after so many seconds. */

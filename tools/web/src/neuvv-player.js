@@ -174,9 +174,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
     #take(now) {
         const tree = this.tick(now);
         if (!tree || !this.#renderer) return;
-        const begin = performance.now();
         this.#renderer.show(tree);
-        this.learnShown(tree, (performance.now() - begin) / 1000);
         this.#poster.hidden = true;
         this.#due = true;
     }

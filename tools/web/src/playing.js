@@ -111,8 +111,8 @@ export const playing = Base => class extends Base {
             const {reader, letGo} = await openShared(url);
             if (opening !== this.#opening) return letGo();
             this.#reader = reader;
-            this.#letGo = letGo;
             this.#queue = new FrameQueue(reader);
+            this.#letGo = letGo;
             this.#sound.open(soundUrl);
             this.#tell('durationchange');
             this.#tell('loadedmetadata');
@@ -142,8 +142,8 @@ export const playing = Base => class extends Base {
     tick(now) {
         if (!this.#reader) return null;
         this.#advance(now);
-        const plays = !this.#paused && !this.#isWaiting, waits = !this.#paused && this.#isWaiting;
-        this.#queue.follow(this.#frameOf(this.#time), {plays, waits, seeks: this.#seeking, rate: this.#rate, loops: this.loop});
+        const waits = this.#isWaiting && !this.#paused;
+        this.#queue.follow(this.#due(), {rate: this.#paused || waits ? 0 : this.#rate, waits, seeks: this.#seeking});
         return this.#takenFrame();
     }
     /**
@@ -154,15 +154,13 @@ export const playing = Base => class extends Base {
         if (!this.#reader) return null;
         this.#time = (frames[0] + 0.5) / this.#reader.fps;
         this.#sound.follow(heard, Math.max(0, rate));
-        this.#queue.follow(frames[0], {plays: false, waits: rate !== 0, seeks: false, rate, frames});
+        this.#queue.follow(frames, {rate});
         return this.#takenFrame();
     }
     /** What was shown last is lost: tick() returns it once more. */
     forgetShown() {
         this.#queue?.clear();
     }
-    /** The tree that tick() or follow() returned was brought to the device in so many seconds. */
-    learnShown(tree, seconds) { this.#reader?.learnShown(tree, seconds); }
     /** Where the sound comes from, metres, as who hears it sees it: right, up and back. */
     hearFrom(place) { this.#sound.place(place); }
 
@@ -194,17 +192,25 @@ export const playing = Base => class extends Base {
             this.#tell('ended');
         }
     }
-    // A frame that comes late is left out. Where none comes, the player waits for that of its time.
+    // A frame that comes late is left out. Where none comes, the player waits for that of its time and the one after it.
     #isLate() {
         if (this.readyState >= (this.#isWaiting ? 4 : 2)) return false;
-        const shown_s = (this.#queue.shown + 1) / this.#reader.fps;  // what is shown is over then
-        const late_s = this.#time >= shown_s ? this.#time - shown_s : this.#time + this.duration - shown_s;
+        const over_s = (this.#queue.shown + 1) / this.#reader.fps;  // when what is shown is
+        const late_s = this.#time >= over_s ? this.#time - over_s : this.#time + this.duration - over_s;
         return this.#isWaiting || this.#seeking || this.#queue.shown < 0 || late_s > kMostLate_s * this.#rate;
     }
+    // The frame of this time and those after it.
+    #due() {
+        const count = this.#reader.frames.length, first = this.#frameOf(this.#time), due = [];
+        for (let i = 0; i <= Math.min(this.#queue.ahead(this.#rate), count - 1); ++i)
+            if (this.loop || first + i < count) due.push((first + i) % count);
+        return due;
+    }
     #takenFrame() {
-        const come = this.#queue.take();
-        if (come?.error && come.error !== this.error) this.fail(come.error);  // once, until play() tries again
-        if (come?.tree) {
+        const one = this.#queue.take();
+        if (one?.error && one.error !== this.error) this.fail(one.error);  // once, until play() tries again
+        if (one?.tree) {
+            this.#reader.learn(one.tree.times);
             if (!this.#hasData) {
                 this.#hasData = true;
                 this.#tell('loadeddata');
@@ -219,6 +225,6 @@ export const playing = Base => class extends Base {
             this.#told = this.#time;
             this.#tell('timeupdate');
         }
-        return come?.tree ?? null;
+        return one?.tree ?? null;
     }
 };

@@ -44,13 +44,14 @@ export class RangeSource {
         this.#ahead = ranges.filter(({bytes}) => bytes > 0)
             .map(({begin, bytes}) => ({first: Math.floor(begin / kBlock), end: Math.floor((begin + bytes - 1) / kBlock) + 1}));
         for (const request of this.#requests)
-            if (request.waiting === 0 && !this.#ahead.some(({first, end}) => request.first < end && first < request.end)) this.#drop(request);
+            if (request.waiting === 0 && !this.#ahead.some(({first, end}) => request.first < end && first < request.end))
+                this.#drop(request);
         this.#goOn();
     }
     /** Whether [begin, begin + bytes) has come and is kept. */
     has(begin, bytes) {
         for (let block = Math.floor(begin / kBlock); block * kBlock < begin + bytes; ++block)
-            if (!this.#blocks.has(block) || this.#requests.has(this.#blocks.get(block).request)) return false;
+            if (!this.#blocks.get(block)?.isThere) return false;
         return true;
     }
     /** The first bytes, at most 16 KiB. */
@@ -125,8 +126,9 @@ export class RangeSource {
         });
         if (this.#requests.size <= kMostRequests) request.begin();
         for (let i = first; i < end; ++i) {
-            const from = (i - first) * kBlock, one = {request, bytes: fetched.then(bytes => bytes.slice(from, from + kBlock))};
-            one.bytes.catch(() => {  // it may come when it is asked for again
+            const from = (i - first) * kBlock;
+            const one = {request, isThere: false, bytes: fetched.then(bytes => bytes.slice(from, from + kBlock))};
+            one.bytes.then(() => one.isThere = true, () => {  // it may come when it is asked for again
                 if (this.#blocks.get(i) === one) this.#blocks.delete(i);
             });
             this.#blocks.set(i, one);

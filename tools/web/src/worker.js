@@ -1,8 +1,8 @@
 // Decodes frames of one group after the other, and makes slice trees of them, in a worker.
 //   first: {module}, decoder.wasm as it is compiled
 //   in:  {id, group: {key, tables, depth, degree, mostLeaves, boxSize}, bytes, sizes, partCount, wantsTree}
-//   out: {id, tree, times: {shapes, shapes_s, planeBytes, planes_s, tree_s}} or {id, error}; the tree's arrays are whole rows
-//        of textures
+//   out: {id, tree, times: {shapes, shapes_s, planeBytes, planes_s, tree_s}} or {id, error}; the tree's arrays are
+//        whole rows of textures
 import {copied, instantiated} from './decoder.js';
 import {kWidth} from './slice_tree.js';
 

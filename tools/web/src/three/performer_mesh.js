@@ -72,7 +72,6 @@ export class PerformerMesh extends Mesh {
         Object.assign(push.value, {box_min: [...min, 0], box_size: [...size, 0], top: {first: tree.topFirst, last: tree.topLast}});
         this.#shape([tree.degree, tree.nodeLevels, tree.topLevels]);
         this.material.visible = true;
-        this.media.learnShown(tree, 0);  // it is brought to the device when three.js draws
     }
     hearFrom(camera) {
         const {box} = this.media;
