@@ -75,9 +75,15 @@ set_tests_properties(stream_vectors_in_python PROPERTIES LABELS cpu)
 add_test(NAME stream_vectors_in_webassembly COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/stream/webassembly/check)
 set_tests_properties(stream_vectors_in_webassembly PROPERTIES LABELS cpu SKIP_RETURN_CODE 77)
 
-# The player for browsers, where emscripten and Chromium are.
-add_test(NAME web_player COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/web/check $<TARGET_FILE:neuvv>)
-set_tests_properties(web_player PROPERTIES LABELS gpu SKIP_RETURN_CODE 77)
+# The player for browsers, where emscripten and Chromium are; its tests share one build of it.
+set(player ${CMAKE_CURRENT_BINARY_DIR}/web)
+add_test(NAME web_build COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/web/build ${player})
+set_tests_properties(web_build PROPERTIES LABELS gpu FIXTURES_SETUP web_build)
+foreach(part frames player headset three)
+  add_test(NAME web_${part}
+           COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/web/check ${part} $<TARGET_FILE:neuvv> ${player})
+  set_tests_properties(web_${part} PROPERTIES LABELS gpu SKIP_RETURN_CODE 77 FIXTURES_REQUIRED web_build)
+endforeach()
 
 neuvv_test(media_test HOSTILE
   SOURCES

@@ -13,6 +13,7 @@ neuvv_test(tools_test COST 8
     tools/cli_test.cpp
     tools/dataset_verb_test.cpp
     tools/stage_verb_test.cpp
+    tools/cli_web_page_test.cpp
     tools/cli_skeleton_test.cpp
     motion/detector.cpp
     motion/trainee.cpp

@@ -27,10 +27,10 @@ import subprocess
 import sys
 import tempfile
 
-OUTPUT_OPTIONS = {'-o', '--output', '--json', '--html', '--csv', '--images', '--preview', '--metrics'}
+OUTPUT_OPTIONS = {'-o', '--output', '--json', '--html', '--csv', '--images', '--preview', '--metrics', '--web'}
 EDITORS = {'stage', 'paint'}  # which write into what is there
 MADE_BY_DEMO = ['performer.mp4', 'stage.mp4', 'stage.gltf', 'coach.mp4', 'coach.html', 'contact_sheet.png', 'metrics.json',
-                'performer.nvv', 'performer.nvs', 'capture']
+                'performer.nvv', 'performer.nvs', 'web', 'capture']
 MADE_BY_CAPTURE = ['images', 'transforms_train.json', 'transforms_test.json', 'skeleton.glb']
 QUICK = {'devices', 'info', 'dataset', 'eval', 'stage', 'paint', 'clip'}  # verbs that take seconds at most
 QUICK_SKELETON = {'import', 'export', 'compare'}
@@ -129,7 +129,7 @@ class Checker:
 
     def check(self, where, program, words, made):
         if program.startswith('tools/'):
-            return self.check_script(where, program, words)
+            return self.check_script(where, program, words, made)
         if program == 'cp':
             self.expect_there(where, words[0], made)
             made.add(words[1])
@@ -148,12 +148,14 @@ class Checker:
             return self.check(where, program, words[words.index('--') + 1:], made)
         self.check_files(where, verbs, words[len(verbs):], made)
 
-    def check_script(self, where, program, words):
+    def check_script(self, where, program, words, made):
         if not os.access(self.root / program, os.X_OK):
             return fail(where, f'there is no {program}')
         text = (self.root / program).read_text(encoding='utf-8')
-        for word in words:
-            if not re.search('[A-Z]{3}|^work', word) and word not in text:
+        for before, word in zip(['', *words], words):
+            if word.startswith('work') and before != '-o':
+                self.expect_there(where, word, made)
+            elif not re.search('[A-Z]{3}|^work', word) and word not in text:
                 fail(where, f'{program} knows no {word}')
 
     def check_files(self, where, verbs, words, made):

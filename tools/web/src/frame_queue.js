@@ -16,16 +16,19 @@ export class FrameQueue {
     has(frame) { return frame === this.#shown || Boolean(this.#asked.get(frame)?.tree); }
     /**
      * Follows a player to the frame of its time. `plays`: its time goes on; `waits`: it does as soon as that frame is
-     * there. `seeks`: that frame is asked for alone until it is there.
+     * there. `seeks`: that frame is asked for alone until it is there. `frames`: that frame and those that are due after it,
+     * where that is not the order of the stream.
      */
-    follow(first, {plays, waits, seeks, rate, loops}, now_ms = performance.now()) {
+    follow(first, {plays, waits, seeks, rate, loops, frames = null}, now_ms = performance.now()) {
         if (first !== this.#first || waits) this.#since = now_ms;
         this.#first = first;
         const count = this.#reader.frames.length, lead = plays ? this.#reader.lead_s * this.#reader.fps * rate : 0;
         const ahead = Math.min(Math.max(kAhead, Math.ceil(lead) + 1), kMostAhead, count - 1);
         const wanted = new Map();  // frames, and how far ahead they are
-        for (let i = 0; i <= ahead; ++i)
-            if (loops || first + i < count) wanted.set((first + i) % count, i);
+        for (let i = 0; i <= ahead; ++i) {
+            const frame = frames ? frames[i] : loops || first + i < count ? (first + i) % count : undefined;
+            if (frame !== undefined && !wanted.has(frame)) wanted.set(frame, i);
+        }
         const goesOn = (plays || waits) && !seeks;
         for (const [frame, one] of this.#asked) {
             if (wanted.has(frame) || (goesOn && this.#isLate(frame) && !one.error)) continue;

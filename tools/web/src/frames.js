@@ -124,6 +124,8 @@ export class FrameReader {
     learnArrival(seconds) { this.#pace?.learnArrival(seconds); }
     /** A frame that is asked for now is nearly always there after so many seconds. */
     get lead_s() { return this.#pace?.lead() ?? 0; }
+    /** Whether all bytes of a frame have come. */
+    isFetched(frame) { return this.frames[frame].parts.every(({begin, bytes}) => this.#source.has(begin, bytes)); }
     end() {
         this.#source.cancel();
         for (const decoder of this.#decoders) decoder.end();

@@ -47,6 +47,12 @@ export class RangeSource {
             if (request.waiting === 0 && !this.#ahead.some(({first, end}) => request.first < end && first < request.end)) this.#drop(request);
         this.#goOn();
     }
+    /** Whether [begin, begin + bytes) has come and is kept. */
+    has(begin, bytes) {
+        for (let block = Math.floor(begin / kBlock); block * kBlock < begin + bytes; ++block)
+            if (!this.#blocks.has(block) || this.#requests.has(this.#blocks.get(block).request)) return false;
+        return true;
+    }
     /** The first bytes, at most 16 KiB. */
     begin() { return this.#request(0, 0)[0].bytes; }
     cancel() {

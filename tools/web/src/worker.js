@@ -1,8 +1,10 @@
 // Decodes frames of one group after the other, and makes slice trees of them, in a worker.
 //   first: {module}, decoder.wasm as it is compiled
 //   in:  {id, group: {key, tables, depth, degree, mostLeaves, boxSize}, bytes, sizes, partCount, wantsTree}
-//   out: {id, tree, times: {shapes, shapes_s, planeBytes, planes_s, tree_s}} or {id, error}
+//   out: {id, tree, times: {shapes, shapes_s, planeBytes, planes_s, tree_s}} or {id, error}; the tree's arrays are whole rows
+//        of textures
 import {copied, instantiated} from './decoder.js';
+import {kWidth} from './slice_tree.js';
 
 let ready = null, codec, group = null, groupKey = null;
 
@@ -44,11 +46,15 @@ function sliceTree(request) {
     if (!tree) throw new Error('there is no memory for a frame');
     const [nodes, entries, links, nodeLevels, topLevels, topFirst, topLast, scale] =
         new Uint32Array(codec.memory.buffer, codec.neuvv_slice_tree_shape(tree), 8);
-    const words = (place, count) => new Uint32Array(codec.memory.buffer, place, count).slice();
+    const words = (place, channels, count) => {
+        const rows = Math.max(1, Math.ceil(count / kWidth)), result = new Uint32Array(rows * kWidth * channels);
+        result.set(new Uint32Array(codec.memory.buffer, place, count * channels));
+        return result;
+    };
     const result = {nodeLevels, topLevels, topFirst, topLast, scale, degree: request.group.degree,
-                    nodes: words(codec.neuvv_slice_tree_nodes(tree), 4 * nodes),
-                    entries: words(codec.neuvv_slice_tree_entries(tree), 2 * (request.group.degree + 1) ** 2 * entries),
-                    links: words(codec.neuvv_slice_tree_links(tree), links)};
+                    nodes: words(codec.neuvv_slice_tree_nodes(tree), 4, nodes),
+                    entries: words(codec.neuvv_slice_tree_entries(tree), 2, (request.group.degree + 1) ** 2 * entries),
+                    links: words(codec.neuvv_slice_tree_links(tree), 1, links)};
     codec.neuvv_slice_tree_free(tree);
     return result;
 }

@@ -1,21 +1,10 @@
 // What the player shows, in a browser: each view of views.json against the image that NeuVV rendered, and the element.
 import {FrameReader} from '/frames.js';
-import {lookAt, Renderer} from '/renderer.js';
+import {pixels, psnr} from '/test/images.js';
+import {lookAt, multiply, perspective} from '/matrices.js';
+import {Renderer} from '/renderer.js';
 
 const results = {};
-
-async function pixels(image, width, height) {
-    const context = new OffscreenCanvas(width, height).getContext('2d');
-    context.drawImage(image, 0, 0);
-    return context.getImageData(0, 0, width, height).data;
-}
-
-function psnr(a, b) {
-    let sum = 0;
-    for (let i = 0; i < a.length; ++i)
-        if (i % 4 !== 3) sum += (a[i] - b[i]) ** 2;
-    return 10 * Math.log10(255 ** 2 / Math.max(sum / (0.75 * a.length), 1e-9));
-}
 
 // How long an image takes, with what it has to wait for.
 function millisecondsOf(canvas, draw) {
@@ -38,7 +27,12 @@ async function compareViews({stream, width, height, angle, views}) {
         const begin = performance.now();
         const tree = await reader.tree(frame), decoded_ms = performance.now() - begin;
         renderer.show(tree);
-        const draw = () => renderer.draw(lookAt(eye, target, angle, width, height), [1, 1, 1, 1]);
+        const clipFromTree = multiply(perspective(angle, width / height, 0.01), lookAt(eye, target)), white = [1, 1, 1, 1];
+        const draw = () => {
+            renderer.gl.viewport(0, 0, width, height);
+            renderer.clear(white);
+            renderer.draw([...eye, 1], clipFromTree, white);
+        };
         const image_ms = millisecondsOf(canvas, draw);
         draw();
         const png = canvas.toDataURL('image/png'), truth = new Image();
@@ -58,7 +52,31 @@ async function until(done) {
     while (!done()) await new Promise(resolve => setTimeout(resolve, 20));
 }
 
+// How long sound and picture, of a stream of some seconds, take to come within 40 ms and to stay there for 20 images, seconds.
+async function hear(player, sounds) {
+    const loaded = event(player, 'loadeddata');
+    player.src = '/slow.nvs';
+    await loaded;
+    player.currentTime = 1;
+    await player.play();
+    const begin = performance.now(), seconds = () => (performance.now() - begin) / 1000;
+    for (let together = 0; together < 20 && seconds() < 30;) {
+        await new Promise(requestAnimationFrame);
+        const sound = sounds.at(-1), apart = Math.abs(sound.currentTime - player.currentTime);
+        together = !sound.paused && !sound.seeking && apart <= 0.04 ? together + 1 : 0;
+    }
+    results.element.together_s = seconds();
+    player.pause();
+    results.element.isSilent = sounds.at(-1).paused;
+}
+
 async function useElement(stream) {
+    const sounds = [], NativeAudio = Audio;
+    window.Audio = function () {
+        sounds.push(new NativeAudio());
+        return sounds.at(-1);
+    };
+
     await import('/neuvv-player.js');
     const player = document.createElement('neuvv-player');
     player.loop = true;
@@ -97,7 +115,11 @@ async function useElement(stream) {
         player.src = url;
         return (await failed).message;
     };
-    results.element = {duration: whole, stepped, atEnd, problems: {}};
+    const {buffered} = player;
+    results.element = {duration: whole, stepped, atEnd, problems: {}, fetched_s: buffered.end(buffered.length - 1) - buffered.start(0)};
+    player.loop = true;
+    await hear(player, sounds);
+    player.loop = false;
     for (const url of ['/missing.nvs', '/empty.nvs', '/page.nvs', '/damaged.nvs', '/elsewhere.nvs', '/short.nvs', '/whole/stream.nvs'])
         results.element.problems[url] = await problem(url);
     const again = event(player, 'loadeddata');

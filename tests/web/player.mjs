@@ -1,14 +1,14 @@
 // The player in Debian's Chromium, without a GPU, against `neuvv render`: PSNR of six views; its element; bad streams.
-//   node tests/web/check.mjs NEUVV BUILT STREAM [FOLDER [WIDTHxHEIGHT]]
+//   node tests/web/player.mjs NEUVV BUILT STREAM [FOLDER [WIDTHxHEIGHT]]
 // BUILT: what tools/web/build made. FOLDER: where images are left. Exits with 1 where something is wrong.
-import {execFileSync, spawn} from 'node:child_process';
+import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
-import http from 'node:http';
 import os from 'node:os';
 import path from 'node:path';
 import {fileURLToPath} from 'node:url';
+import {resultsOf} from './browser.mjs';
 
-const kAngle = 0.6, kLeast_db = 45, kMost_s = 240;
+const kAngle = 0.6, kLeast_db = 45;
 const [neuvv, built, stream, given, size = '320x240'] = process.argv.slice(2);
 const folder = given ?? fs.mkdtempSync(path.join(os.tmpdir(), 'neuvv-web-'));
 fs.mkdirSync(folder, {recursive: true});
@@ -49,63 +49,24 @@ damaged[40] ^= 1;
 const elsewhere = Buffer.from(bytes), headEnd = headBytes(bytes, Infinity) - 4;
 elsewhere[32 + 40] ^= 1;
 elsewhere.writeUInt32LE(crc32(elsewhere.subarray(0, headEnd)), headEnd);
-const kSent = {'/elsewhere.nvs': elsewhere, '/stream.nvs': bytes, '/whole/stream.nvs': bytes, '/empty.nvs': Buffer.alloc(0), '/damaged.nvs': damaged,
+// A tone of so many seconds, as a WAV file.
+function tone(seconds, rate = 16000) {
+    const wav = Buffer.alloc(44 + 2 * Math.round(seconds * rate));
+    for (const [at, text] of [[0, 'RIFF'], [8, 'WAVE'], [12, 'fmt '], [36, 'data']]) wav.write(text, at);
+    for (const [at, value] of [[4, wav.length - 8], [16, 16], [24, rate], [28, 2 * rate], [40, wav.length - 44]]) wav.writeUInt32LE(value, at);
+    for (const [at, value] of [[20, 1], [22, 1], [32, 2], [34, 16]]) wav.writeUInt16LE(value, at);
+    for (let i = 0; 44 + 2 * i < wav.length; ++i) wav.writeInt16LE(3000 * Math.sin(0.2 * i), 44 + 2 * i);
+    return wav;
+}
+// One that is so slow that it lasts for some seconds, and its sound.
+const slow = Buffer.from(bytes), slowFps = head.frames.length / 4;
+slow.writeFloatLE(slowFps, 20);
+slow.writeUInt32LE(crc32(slow.subarray(0, headEnd)), headEnd);
+const kSent = {'/slow.nvs': slow, '/slow.m4a': tone(4), '/stream.m4a': tone(head.frames.length / head.fps), '/elsewhere.nvs': elsewhere, '/stream.nvs': bytes, '/whole/stream.nvs': bytes, '/empty.nvs': Buffer.alloc(0), '/damaged.nvs': damaged,
                '/page.nvs': Buffer.from('<!DOCTYPE html><p>Sign in</p>'), '/short.nvs': bytes.subarray(0, bytes.length - 100)};
-const kTypes = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm', '.json': 'application/json', '.png': 'image/png'};
-const kPolicy = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; worker-src 'self'; img-src 'self'";
-
-function file(name) {
-    const roots = [['/test/', here], ['/views/', folder], ['/', built]];
-    const [prefix, root] = roots.find(([start]) => name.startsWith(start));
-    const found = path.join(root, path.normalize('/' + name.slice(prefix.length)));
-    return fs.existsSync(found) && fs.statSync(found).isFile() ? fs.readFileSync(found) : null;
-}
-
-let finish;
-const finished = new Promise(resolve => finish = resolve);
-const others = [];  // requests that should not be
-const server = http.createServer((request, response) => {
-    const name = new URL(request.url, 'http://x').pathname;
-    if (name === '/results') {
-        let body = '';
-        request.on('data', part => body += part).on('end', () => finish(JSON.parse(body)));
-        return response.end();
-    }
-    const content = kSent[name] ?? file(name), range = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? '');
-    const headers = {'Content-Type': kTypes[path.extname(name)] ?? 'application/octet-stream', 'Content-Security-Policy': kPolicy};
-    if (!content) {
-        if (!['/missing.nvs', '/favicon.ico'].includes(name)) others.push(name);
-        response.writeHead(404, headers).end();
-    } else if (!range || name.startsWith('/whole/')) {
-        response.writeHead(200, headers).end(content);
-    } else if (Number(range[1]) >= content.length) {
-        response.writeHead(416, headers).end();
-    } else {
-        const part = content.subarray(Number(range[1]), Number(range[2]) + 1);
-        headers['Content-Range'] = `bytes ${range[1]}-${Number(range[1]) + part.length - 1}/${content.length}`;
-        response.writeHead(206, headers).end(part);
-    }
-});
-
 const frames = renderViews();
-await new Promise(resolve => server.listen(0, '127.0.0.1', resolve));
-const profile = fs.mkdtempSync(path.join(os.tmpdir(), 'neuvv-chromium-'));
-const browser = spawn('chromium', ['--headless=new', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-    '--disable-dev-shm-usage', `--user-data-dir=${profile}`, '--no-first-run', `http://127.0.0.1:${server.address().port}/test/page.html`],
-    {stdio: ['ignore', 'ignore', 'pipe'], detached: true});  // a group of its own, which is ended as a whole
-let log = '';
-browser.stderr.on('data', text => log += text);
-browser.on('exit', code => finish({problem: `chromium ended with ${code}\n${log}`}));
-const timer = setTimeout(() => finish({problem: `nothing came in ${kMost_s} s\n${log}`}), 1000 * kMost_s);
-const results = await finished;
-clearTimeout(timer);
-if (browser.exitCode === null) {
-    const exited = new Promise(resolve => browser.on('exit', resolve));
-    process.kill(-browser.pid, 'SIGKILL');
-    await exited;
-}
-await fs.promises.rm(profile, {recursive: true, force: true, maxRetries: 20, retryDelay: 100});  // some may still write
-server.close();
+const roots = [['/test/', here], ['/views/', folder], ['/', built]];
+const {results, missing} = await resultsOf({page: '/test/player.html', roots, sent: kSent});
 
 const wrong = [];
 const expect = (condition, text) => condition || wrong.push(text);
@@ -125,8 +86,13 @@ if (!results.problem) {
         expect(results.element.problems[url].includes(text), `${url}: "${results.element.problems[url]}" does not say "${text}"`);
     expect(results.other_view_db < kLeast_db - 10, 'another view passes, too');
     expect(results.element.atEnd, 'the player does not end');
+    console.log(`sound and picture come together after ${results.element.together_s.toFixed(1)} s`);
+    expect(results.element.together_s < 30, 'sound and picture stay apart');
+    expect(results.element.isSilent, 'a player that is paused sounds');
+    expect(results.element.fetched_s > 0.9 * results.element.duration, 'what has been fetched is not told');
     expect(results.element.recovers, 'the player does not recover');
     expect(results.element.duration > 0 && results.element.stepped > 0, 'the player does not step');
+    const others = missing.filter(name => name !== '/missing.nvs');
     expect(others.length === 0, `asked for ${others}`);
 }
 if (!given) fs.rmSync(folder, {recursive: true});

@@ -1,0 +1,177 @@
+// neuvv publish --web, without a GPU and with a stand-in for the player.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "support/random_tree.h"
+#include "support/stage_on_disk.h"
+#include "tests/tools/run_neuvv.h"
+#include "voctree/files/nvv.h"
+
+namespace neuvv {
+namespace {
+
+// The program looks for the player beside its own folder, so these tests run a copy of it.
+std::string copied_program() {
+    static const TemporaryFolder made;
+    static const std::filesystem::path program = made.path / "test" / "neuvv";
+    static const bool copied =
+        std::filesystem::create_directory(program.parent_path()) && std::filesystem::copy_file(NEUVV_PROGRAM, program);
+    EXPECT_TRUE(copied);
+    return program.string();
+}
+
+struct CliWebPage : testing::Test {
+    const std::string program = copied_program();
+    const std::filesystem::path player = std::filesystem::path(program).parent_path().parent_path() / "web";
+    TemporaryFolder folder;
+    const std::string web = (folder.path / "web").string(), stream = (folder.path / "show <1> & 2.nvs").string(),
+                      sound = (folder.path / "show <1> & 2.m4a").string();
+    const std::set<std::string> player_files = {"index.html", "index.js", "decoder.wasm"};
+
+    void SetUp() override {
+        write_player(player_files);
+        std::filesystem::copy_file(NEUVV_SOURCE_DIR "/tests/stream/vectors/usual.nvs", stream);
+    }
+    void write_player(const std::set<std::string>& files) const {
+        std::filesystem::remove_all(player);
+        std::filesystem::create_directory(player);
+        for (const std::string& name : files) write_text(player / name, "the player's " + name);
+        write_text(player / "index.html", "<html><title>NeuVV</title><p>page</p></html>");
+        write_text(player / "performer.nvs", "somebody tried the player with it");
+        write_text(player / "player.json",
+                   nlohmann::json({{"written_by", "tools/web/build"}, {"files", files}}).dump());
+    }
+    std::string file(const std::string& name) const { return (folder.path / name).string(); }
+    std::string page() const { return read_text(web + "/index.html"); }
+    ProgramResult publish(const std::string& scene, const std::vector<std::string>& more = {}) const {
+        std::vector<std::string> arguments = {"publish", scene, "--web", web};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return run_program(program, arguments);
+    }
+    void expect_published(const std::string& scene, const std::vector<std::string>& more = {}) const {
+        const ProgramResult run = publish(scene, more);
+        EXPECT_EQ(run.code, 0) << run.err;
+    }
+    void expect_refused_alone(const ProgramResult& run, const std::vector<std::string>& parts) const {
+        expect_refusal(run, 2, parts);
+        EXPECT_FALSE(std::filesystem::exists(web)) << "a folder that looks like a page";
+    }
+    // Of the folder, but for its list.
+    std::set<std::string> published_files() const {
+        std::set<std::string> names;
+        for (const auto& entry : std::filesystem::directory_iterator(web)) names.insert(entry.path().filename());
+        EXPECT_EQ(names.erase("published.json"), 1);
+        return names;
+    }
+    std::set<std::string> player_and(const std::set<std::string>& more) const {
+        std::set<std::string> names = player_files;
+        names.insert(more.begin(), more.end());
+        return names;
+    }
+};
+
+TEST_F(CliWebPage, AStreamIsCopiedBesideThePlayer) {
+    write_text(sound, "sound");
+    const ProgramResult run = publish(stream, {"--json"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const auto json = nlohmann::json::parse(run.out);
+    EXPECT_EQ(json.at("web"), web);
+    EXPECT_EQ(json.at("page"), web + "/index.html");
+    EXPECT_EQ(json.at("output"), web + "/show.nvs");
+    EXPECT_EQ(json.at("bytes"), std::filesystem::file_size(stream));
+    EXPECT_EQ(json.at("frames"), 4);
+    EXPECT_FALSE(json.contains("psnr_db")) << "nothing was compared";
+    EXPECT_EQ(published_files(), player_and({"show.nvs", "show.m4a"}));
+    EXPECT_EQ(read_text(web + "/show.nvs"), read_text(stream));
+    EXPECT_EQ(read_text(web + "/show.m4a"), "sound");
+    EXPECT_EQ(read_text(web + "/decoder.wasm"), "the player's decoder.wasm");
+    EXPECT_EQ(page(), "<html><title>show &lt;1&gt; &amp; 2</title><p>page</p></html>");
+}
+
+TEST_F(CliWebPage, AClipIsEncoded) {
+    const std::string clip = file("anna.nvv");
+    voctree::write_nvv(clip, test::random_tree({.leaves = 100, .frames = 4}));
+    expect_published(clip, {"--rate", "1000"});
+    EXPECT_EQ(published_files(), player_and({"show.nvs"}));
+    EXPECT_NE(page().find("<title>anna</title>"), std::string::npos) << page();
+    const ProgramResult info = run_neuvv({"info", web + "/show.nvs", "--json", "--check"});
+    ASSERT_EQ(info.code, 0) << info.err;
+    EXPECT_EQ(nlohmann::json::parse(info.out).at("frames"), 4);
+    const std::string show = file("show.gltf");
+    test::write_stage(show, clip, "Ben");
+    expect_published(show, {"--rate", "1000", "--overwrite"});
+    EXPECT_NE(page().find("<title>Ben</title>"), std::string::npos) << page();
+}
+
+TEST_F(CliWebPage, OnlyAnEarlierPageIsReplaced) {
+    write_text(sound, "sound");
+    expect_published(stream);
+    const std::string list = read_text(web + "/published.json");
+    write_text(web + "/mine.txt", "mine");
+    expect_refusal(publish(stream), 2, {"--web", web, "is there already", "--overwrite"});
+    EXPECT_EQ(read_text(web + "/published.json"), list);
+
+    std::filesystem::remove(sound);
+    write_player({"index.html", "player.js"});
+    expect_published(stream, {"--overwrite"});
+    EXPECT_EQ(published_files(), (std::set<std::string>{"index.html", "player.js", "show.nvs", "mine.txt"}))
+        << "nothing of the earlier page, and all that is of no page";
+    write_player({"index.html", "mine.txt"});
+    expect_refusal(publish(stream, {"--overwrite"}), 2, {"--web", "mine.txt", "is not of the page"});
+    EXPECT_EQ(read_text(web + "/mine.txt"), "mine");
+    write_player({"index.html"});
+    expect_refusal(publish(web + "/show.nvs", {"--overwrite"}), 2, {"--web", "show.nvs", "scene"});
+    EXPECT_EQ(read_text(web + "/show.nvs"), read_text(stream));
+
+    write_text(file("out.txt"), "of somebody else");
+    for (const char* hostile : {R"(["../out.txt"])", R"([".."])", R"([3])", R"("out.txt")"}) {
+        write_text(web + "/published.json",
+                   std::string(R"({"written_by": "neuvv publish", "files": )") + hostile + "}");
+        expect_refusal(publish(stream, {"--overwrite"}), 2, {"published.json", "files"});
+    }
+    write_text(web + "/published.json", R"({"written_by": "a printer", "files": ["mine.txt"]})");
+    expect_refusal(publish(stream, {"--overwrite"}), 2, {"published.json", "written_by"});
+    EXPECT_EQ(read_text(file("out.txt")), "of somebody else");
+    std::filesystem::remove(web + "/published.json");
+    expect_refusal(publish(stream, {"--overwrite"}), 2, {"--web", web, "holds other files"});
+    EXPECT_EQ(read_text(web + "/mine.txt"), "mine");
+    EXPECT_TRUE(std::filesystem::exists(web + "/index.html"));
+}
+
+TEST_F(CliWebPage, WhatAKilledRunLeftIsReplaced) {
+    std::filesystem::create_directories(web + "/unfinished");
+    write_text(web + "/unfinished/show.nvs", "a part");
+    expect_published(stream);
+    EXPECT_EQ(published_files(), player_and({"show.nvs"}));
+}
+
+TEST_F(CliWebPage, APlayerThatIsNotWholeIsNotPublished) {
+    std::filesystem::remove(player / "decoder.wasm");
+    expect_refused_alone(publish(stream), {player.string(), "decoder.wasm", "run tools/web/build"});
+    write_player({"decoder.wasm", "index.html"});
+    write_text(player / "index.html", "<html></html>");
+    expect_refused_alone(publish(stream), {"index.html", "has no title", "run tools/web/build"});
+    std::filesystem::remove(player / "index.html");
+    expect_refused_alone(publish(stream), {player.string(), "index.html", "run tools/web/build"});
+    std::filesystem::remove(player / "player.json");
+    expect_refused_alone(publish(stream), {player.string(), "is not there", "run tools/web/build"});
+    std::filesystem::remove_all(player);
+    expect_refused_alone(publish(stream), {player.string(), "is not there", "run tools/web/build"});
+}
+
+TEST_F(CliWebPage, WrongUseIsRefused) {
+    expect_refused_alone(publish(stream, {"-o", file("x.nvs")}), {"--output", "--web"});
+    expect_refusal(run_program(program, {"publish", stream}), 2, {"--output", "--web"});
+    expect_refusal(run_program(program, {"publish", stream, "-o", file("x.nvs")}), 2, {"is a stream"});
+    for (const std::vector<std::string>& option : std::vector<std::vector<std::string>>{
+             {"--rate", "9"}, {"--quality", "40"}, {"--group", "1"}, {"--views", "3"}, {"--size", "64x64"}})
+        expect_refused_alone(publish(stream, option), {option[0], stream, "copied as it is"});
+    expect_refused_alone(publish(stream, {"--performer", "anna"}), {"--performer", "is for stages"});
+    write_text(stream, "no stream");
+    expect_refused_alone(publish(stream), {stream});
+}
+
+}  // namespace
+}  // namespace neuvv

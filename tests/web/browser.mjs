@@ -1,0 +1,70 @@
+// A server on this machine, and Debian's Chromium, without a GPU, on a page of it, which posts what it found to /results.
+import {spawn} from 'node:child_process';
+import fs from 'node:fs';
+import http from 'node:http';
+import os from 'node:os';
+import path from 'node:path';
+
+const kMost_s = 240;
+const kTypes = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm', '.json': 'application/json',
+                '.png': 'image/png', '.gltf': 'model/gltf+json'};
+const kPolicy = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; worker-src 'self'; img-src 'self'; media-src 'self'";
+
+// The file of the first root whose prefix a name begins with; null: there is none.
+function file(name, roots) {
+    const [prefix, root] = roots.find(([start]) => name.startsWith(start));
+    const found = path.join(root, path.normalize('/' + name.slice(prefix.length)));
+    return fs.existsSync(found) && fs.statSync(found).isFile() ? fs.readFileSync(found) : null;
+}
+
+// As a server that answers ranges; one that does not, for names in /whole/.
+function answer(request, response, name, content) {
+    const range = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? '');
+    const headers = {'Content-Type': kTypes[path.extname(name)] ?? 'application/octet-stream', 'Content-Security-Policy': kPolicy};
+    if (!content) return response.writeHead(404, headers).end();
+    if (!range || name.startsWith('/whole/')) return response.writeHead(200, headers).end(content);
+    if (Number(range[1]) >= content.length) return response.writeHead(416, headers).end();
+    const part = content.subarray(Number(range[1]), Number(range[2]) + 1);
+    headers['Content-Range'] = `bytes ${range[1]}-${Number(range[1]) + part.length - 1}/${content.length}`;
+    response.writeHead(206, headers).end(part);
+}
+
+/**
+ * What a page posts: {results, asked, missing}; `results` has `problem` where nothing came in `most_s` seconds. `asked`: names
+ * of requests that were answered, `missing`: of the others. `roots`: [prefix of names, folder]; `sent`: bytes by name, before
+ * those; `answers`: functions by name, which make the answer of what is posted there; `flags`: of Chromium.
+ */
+export async function resultsOf({page, roots, sent = {}, answers = {}, most_s = kMost_s, flags = []}) {
+    let finish, log = '';
+    const finished = new Promise(resolve => finish = resolve), asked = [], missing = [];
+    const server = http.createServer((request, response) => {
+        const name = new URL(request.url, 'http://x').pathname, reply = name === '/results' ? finish : answers[name];
+        if (reply) {
+            let body = '';
+            request.on('data', part => body += part).on('end', () => response.end(reply(JSON.parse(body))));
+            return;
+        }
+        const content = sent[name] ?? file(name, roots);
+        (content ? asked : missing).push(name);
+        answer(request, response, name, content);
+    });
+    await new Promise(resolve => server.listen(0, '127.0.0.1', resolve));
+    const profile = fs.mkdtempSync(path.join(os.tmpdir(), 'neuvv-chromium-'));
+    const browser = spawn('chromium', ['--headless=new', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+        '--disable-dev-shm-usage', `--user-data-dir=${profile}`, '--no-first-run',
+        '--autoplay-policy=no-user-gesture-required', ...flags, `http://127.0.0.1:${server.address().port}${page}`],
+        {stdio: ['ignore', 'ignore', 'pipe'], detached: true});  // a group of its own, which is ended as a whole
+    browser.stderr.on('data', text => log += text);
+    browser.on('exit', code => finish({problem: `chromium ended with ${code}\n${log}`}));
+    const timer = setTimeout(() => finish({problem: `nothing came in ${most_s} s\n${log}`}), 1000 * most_s);
+    const results = await finished;
+    clearTimeout(timer);
+    if (browser.exitCode === null) {
+        const exited = new Promise(resolve => browser.on('exit', resolve));
+        process.kill(-browser.pid, 'SIGKILL');
+        await exited;
+    }
+    await fs.promises.rm(profile, {recursive: true, force: true, maxRetries: 20, retryDelay: 100});  // some may still write
+    server.close();
+    return {results, asked, missing: missing.filter(name => name !== '/favicon.ico')};
+}

@@ -1,0 +1,30 @@
+// A player that loops: after its first minute, neither its heap nor its textures may grow. Not part of tools/test, as it takes long.
+//   node tests/web/growth.mjs BUILT STREAM [MINUTES]
+// BUILT: what tools/web/build made. Exits with 1 where something grows.
+import fs from 'node:fs';
+import path from 'node:path';
+import {fileURLToPath} from 'node:url';
+import {resultsOf} from './browser.mjs';
+
+const kMostHeap = 2e6;  // bytes that the heap's middle value of the last minute may be above that of the second
+const [built, stream, minutes = '30'] = process.argv.slice(2);
+const here = path.dirname(fileURLToPath(import.meta.url));
+const {results} = await resultsOf({page: `/test/growth.html?minutes=${minutes}`, roots: [['/test/', here], ['/', built]],
+                                   sent: {'/stream.nvs': fs.readFileSync(stream)}, most_s: 60 * minutes + 240,
+                                   flags: ['--js-flags=--expose-gc', '--enable-precise-memory-info']});
+const wrong = results.problem ? [results.problem] : [];
+if (results.counts?.length >= 18) {
+    const middle = (counts, name) => counts.map(count => count[name]).sort((a, b) => a - b)[3];
+    const second = results.counts.slice(6, 12), last = results.counts.slice(-6);
+    const [before, after] = [second, last].map(counts => middle(counts, 'heap'));
+    const textures = Math.max(...results.counts.map(count => count.textures));
+    console.log(`heap ${(before / 1e6).toFixed(2)} MB in the second minute, ${(after / 1e6).toFixed(2)} MB in the last; at most ${textures} textures; ` +
+                `${results.counts.at(-1).frames} times shown`);
+    if (after > before + kMostHeap) wrong.push('the heap grows');
+    if (textures > 6) wrong.push('textures are left');  // three of a tree, and of the next
+    if (results.counts.at(-1).frames === results.counts[6].frames) wrong.push('nothing was played');
+} else {
+    wrong.push('MINUTES must be at least 3');
+}
+for (const text of wrong) console.error(`wrong: ${text}`);
+process.exit(wrong.length > 0 ? 1 : 0);

@@ -1,0 +1,224 @@
+// Plays a stream: a clock with the names and events of HTMLMediaElement, and the frames around its time.
+import {FrameQueue} from './frame_queue.js';
+import {openShared} from './shared_reader.js';
+import {Sound} from './sound.js';
+
+const kMostLate_s = 0.25;      // what is shown may be over for so long before the player waits for its frame
+const kPull = 0.2;             // of the way to where the sound is, an image
+const kMostStep = 250;         // milliseconds; a page that was hidden goes on where it was
+
+/** What HTMLMediaElement calls TimeRanges, of [begin, end) in seconds. */
+class Ranges {
+    #ranges;
+    constructor(ranges) { this.#ranges = ranges; }
+    get length() { return this.#ranges.length; }
+    start(i) { return this.#ranges[i][0]; }
+    end(i) { return this.#ranges[i][1]; }
+}
+
+/** Adds all that to a class of EventTargets, which has the property `loop`. */
+export const playing = Base => class extends Base {
+    #reader = null; #letGo = null; #opening = 0; #queue = null;
+    #time = 0; #paused = true; #rate = 1; #last = null; #told = -1;
+    #seeking = false; #hasData = false; #isWaiting = false; #ended = false;
+    #sound = new Sound(() => this.#tell('volumechange'));
+    /** What was wrong last: an Error, or null. */
+    error = null;
+
+    get paused() { return this.#paused; }
+    get ended() { return this.#ended; }
+    get seeking() { return this.#seeking; }
+    /** Seconds; NaN while it is not known. */
+    get duration() { return this.#reader ? this.#reader.frames.length / this.#reader.fps : NaN; }
+    /** Frames a second; NaN while that is not known. */
+    get frameRate() { return this.#reader?.fps ?? NaN; }
+    get playbackRate() { return this.#rate; }
+    set playbackRate(rate) {
+        if (!(rate > 0 && rate <= 16)) throw new RangeError('playbackRate must be above 0 and at most 16');
+        this.#rate = rate;
+        this.#tell('ratechange');
+    }
+    get currentTime() { return this.#time; }
+    set currentTime(seconds) {
+        if (!Number.isFinite(seconds)) throw new TypeError('currentTime must be a number of seconds');
+        this.#time = Math.max(0, Math.min(seconds, this.#end()));
+        this.#seeking = true;
+        this.#ended = false;
+        this.#tell('seeking');
+    }
+    /** HTMLMediaElement's: 0 nothing, 1 the head is known, 2 the frame of this time is there, 4 those after it, too. */
+    get readyState() {
+        if (!this.#reader) return 0;
+        const frame = this.#frameOf(this.#time);
+        if (!this.#queue.has(frame)) return 1;
+        return this.#queue.has(Math.min(frame + 1, this.#reader.frames.length - 1)) ? 4 : 2;
+    }
+    /** The times whose frames have been fetched. */
+    get buffered() {
+        const ranges = [], fps = this.#reader?.fps;
+        for (const [frame] of (this.#reader?.frames ?? []).entries()) {
+            if (!this.#reader.isFetched(frame)) continue;
+            if (ranges.at(-1)?.[1] === frame / fps) ranges.at(-1)[1] = (frame + 1) / fps;
+            else ranges.push([frame / fps, (frame + 1) / fps]);
+        }
+        return new Ranges(ranges);
+    }
+    /** Of its sound, 0 to 1. */
+    get volume() { return this.#sound.volume; }
+    set volume(volume) {
+        if (!(volume >= 0 && volume <= 1)) throw new RangeError('volume must be from 0 to 1');
+        this.#sound.volume = volume;
+        this.#tell('volumechange');
+    }
+    get muted() { return this.#sound.muted; }
+    set muted(on) {
+        this.#sound.muted = Boolean(on);
+        this.#tell('volumechange');
+    }
+    get hasSound() { return this.#sound.isThere; }
+    /** Around all that is shown, metres: {min, max}; null while that is not known. */
+    get box() { return this.#reader?.box ?? null; }
+
+    /** Returns a promise, as HTMLMediaElement's does. Frames that could not be read are asked for again. */
+    async play() {
+        if (!this.#paused) return;
+        this.#queue?.tryAgain();
+        if (this.#reader) this.error = null;
+        if (this.#time >= this.#end() && !this.loop) this.#time = 0;
+        this.#paused = this.#ended = false;
+        this.#isWaiting = true;  // `playing` comes with the first frame
+        this.#last = null;
+        this.#tell('play');
+    }
+    pause() {
+        if (this.#paused) return;
+        this.#paused = true;
+        this.#sound.follow(this.#time, 0);
+        this.#tell('pause');
+    }
+    /** Goes so many frames on, or back, and pauses. */
+    step(frames = 1) {
+        if (!this.#reader) return;
+        this.pause();
+        this.currentTime = (this.#frameOf(this.#time) + frames + 0.5) / this.#reader.fps;
+    }
+
+    /** Opens the stream at an address, and ends the one before. `soundUrl`: of what is heard with it, or null. */
+    async open(url, soundUrl) {
+        this.close();
+        const opening = this.#opening;
+        try {
+            const {reader, letGo} = await openShared(url);
+            if (opening !== this.#opening) return letGo();
+            this.#reader = reader;
+            this.#letGo = letGo;
+            this.#queue = new FrameQueue(reader);
+            this.#sound.open(soundUrl);
+            this.#tell('durationchange');
+            this.#tell('loadedmetadata');
+        } catch (error) {
+            if (opening === this.#opening) this.fail(error);
+        }
+    }
+    close() {
+        ++this.#opening;  // what is being opened is dropped when it is there
+        this.#queue?.clear();
+        this.#letGo?.();
+        this.#reader = this.#queue = this.#letGo = null;
+        this.#sound.end();
+        this.#told = -1;
+        this.#time = 0;
+        this.#hasData = this.#seeking = this.#isWaiting = this.#ended = false;
+        this.error = null;
+        this.#tell('emptied');
+    }
+    /** Stops, and says why by the event `error`. */
+    fail(error) {
+        this.pause();
+        this.error = error;
+        this.dispatchEvent(new ErrorEvent('error', {error, message: error.message}));
+    }
+    /** Moves the clock on to `now`, milliseconds. Returns the slice tree that is to be shown from now on; null: it stays. */
+    tick(now) {
+        if (!this.#reader) return null;
+        this.#advance(now);
+        const plays = !this.#paused && !this.#isWaiting, waits = !this.#paused && this.#isWaiting;
+        this.#queue.follow(this.#frameOf(this.#time), {plays, waits, seeks: this.#seeking, rate: this.#rate, loops: this.loop});
+        return this.#takenFrame();
+    }
+    /**
+     * Instead of tick(), where a clock elsewhere says what is due: the first of these frames now, the others after it. What
+     * is heard is at `heard`, seconds, and passes so many times as fast as time; 0, or backwards: nothing is.
+     */
+    follow(frames, heard, rate) {
+        if (!this.#reader) return null;
+        this.#time = (frames[0] + 0.5) / this.#reader.fps;
+        this.#sound.follow(heard, Math.max(0, rate));
+        this.#queue.follow(frames[0], {plays: false, waits: rate !== 0, seeks: false, rate, frames});
+        return this.#takenFrame();
+    }
+    /** What was shown last is lost: tick() returns it once more. */
+    forgetShown() {
+        this.#queue?.clear();
+    }
+    /** The tree that tick() or follow() returned was brought to the device in so many seconds. */
+    learnShown(tree, seconds) { this.#reader?.learnShown(tree, seconds); }
+    /** Where the sound comes from, metres, as who hears it sees it: right, up and back. */
+    hearFrom(place) { this.#sound.place(place); }
+
+    #tell(name) { this.dispatchEvent(new Event(name)); }
+    #frameOf(seconds) { return Math.min(Math.floor(seconds * this.#reader.fps), this.#reader.frames.length - 1); }
+    // The last time at which the last frame is shown.
+    #end() { return this.#reader ? (this.#reader.frames.length - 0.001) / this.#reader.fps : 0; }
+
+    // Moves the clock on, but not while its frame is missing.
+    #advance(now) {
+        const passed = Math.min(now - (this.#last ?? now), kMostStep);
+        this.#last = now;
+        if (this.#paused) return;
+        if (this.#isWaiting !== this.#isLate()) {
+            this.#isWaiting = !this.#isWaiting;
+            this.#tell(this.#isWaiting ? 'waiting' : 'playing');
+        }
+        const heard = this.#sound.follow(this.#time, this.#isWaiting ? 0 : this.#rate);
+        if (this.#isWaiting) return;
+        const next = this.#time + passed / 1000 * this.#rate;
+        this.#time = Math.max(this.#time, heard === null ? next : next + kPull * (heard - next));
+        if (this.#time < this.#end()) return;
+        if (this.loop) {
+            this.#time %= this.duration;
+        } else {
+            this.#time = this.#end();
+            this.#ended = true;
+            this.pause();
+            this.#tell('ended');
+        }
+    }
+    // A frame that comes late is left out. Where none comes, the player waits for that of its time.
+    #isLate() {
+        if (this.readyState >= (this.#isWaiting ? 4 : 2)) return false;
+        const shown_s = (this.#queue.shown + 1) / this.#reader.fps;  // what is shown is over then
+        const late_s = this.#time >= shown_s ? this.#time - shown_s : this.#time + this.duration - shown_s;
+        return this.#isWaiting || this.#seeking || this.#queue.shown < 0 || late_s > kMostLate_s * this.#rate;
+    }
+    #takenFrame() {
+        const come = this.#queue.take();
+        if (come?.error && come.error !== this.error) this.fail(come.error);  // once, until play() tries again
+        if (come?.tree) {
+            if (!this.#hasData) {
+                this.#hasData = true;
+                this.#tell('loadeddata');
+                this.#tell('canplay');
+            }
+        }
+        if (this.#seeking && this.#frameOf(this.#time) === this.#queue.shown) {
+            this.#seeking = false;
+            this.#tell('seeked');
+        }
+        if (this.#told !== this.#time) {
+            this.#told = this.#time;
+            this.#tell('timeupdate');
+        }
+        return come?.tree ?? null;
+    }
+};
