@@ -25,6 +25,19 @@ async function withoutEffect(player, actions) {
     return names;
 }
 
+// Whether the same is shown again within five seconds, after the browser has lost its graphics.
+async function comesBack(player, canvas) {
+    const before = await picture(player), losing = canvas.getContext('webgl2').getExtension('WEBGL_lose_context');
+    const restored = event(canvas, 'webglcontextrestored'), begin = performance.now();
+    losing.loseContext();
+    await new Promise(resolve => setTimeout(resolve, 100));  // the page hears of it
+    losing.restoreContext();
+    await restored;
+    while (performance.now() - begin < 5000)
+        if (psnr(before, await picture(player)) > kOther_db) return true;
+    return false;
+}
+
 export async function useControls(stream) {
     const wrong = [], expect = (condition, text) => condition || wrong.push(text);
     const getContext = HTMLCanvasElement.prototype.getContext;
@@ -82,6 +95,7 @@ export async function useControls(stream) {
     const before = player.currentTime;
     key(',')();
     expect(player.currentTime < before, 'a key does not step');
+    expect(await comesBack(player, canvas), 'a lost context does not come back as it was');
     player.remove();
     return wrong;
 }

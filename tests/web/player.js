@@ -71,6 +71,23 @@ async function hear(player, sounds) {
     results.element.isSilent = sounds.at(-1).paused;
 }
 
+// A list of streams: the next one is opened where one ends, and begins at the time that was set before it was there.
+async function playOn(player) {
+    const next = event(player, 'ended').then(() => {
+        player.src = '/slow.nvs';
+        player.currentTime = 2;
+        return player.play();
+    });
+    player.currentTime = 0.9 * player.duration;
+    await player.play();
+    await next;  // it plays
+    results.playedOn = !player.paused && !player.error && player.currentTime >= 2;
+    player.pause();
+    const ended = player.play();
+    player.pause();
+    results.playRejects = await ended.then(() => false, error => error.name === 'AbortError');
+}
+
 async function useElement(stream) {
     const sounds = [], NativeAudio = Audio;
     window.Audio = function () {
@@ -105,12 +122,10 @@ async function useElement(stream) {
     const atEnd = player.ended && player.paused && player.currentTime > 0.9 * whole;
     player.currentTime = 0;
     await event(player, 'seeked');
-    const context = player.shadowRoot.querySelector('canvas').getContext('webgl2'), losing = context.getExtension('WEBGL_lose_context');
-    losing.loseContext();
-    await new Promise(resolve => setTimeout(resolve, 100));  // the page hears of it
-    losing.restoreContext();
-    await event(player.shadowRoot.querySelector('canvas'), 'webglcontextrestored');
-    await until(() => player.readyState >= 2);
+    await playOn(player);
+    const reopened = event(player, 'loadeddata');
+    player.src = stream;
+    await reopened;
     const problem = async url => {
         const failed = event(player, 'error');
         player.src = url;

@@ -88,6 +88,8 @@ if (!results.problem) {
     expect(results.element.atEnd, 'the player does not end');
     console.log(`sound and picture come together after ${results.element.together_s.toFixed(1)} s`);
     expect(results.element.together_s < 30, 'sound and picture stay apart');
+    expect(results.playedOn, 'the next stream of a list does not play');
+    expect(results.playRejects, 'play() does not say that it was ended');
     expect(results.element.isSilent, 'a player that is paused sounds');
     expect(results.element.fetched_s > 0.9 * results.element.duration, 'what has been fetched is not told');
     expect(results.element.recovers, 'the player does not recover');

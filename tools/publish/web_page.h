@@ -27,8 +27,8 @@ WebPlayer find_web_player();
 
 class UnfinishedWebPage {
   public:
-    // Throws InputError where the folder holds files, but no such page; where it holds one, unless --overwrite says that
-    // it is replaced; and where a file would be replaced that the verb reads or that is not of that page.
+    // Throws InputError where the folder holds files, but no such page; where it holds one, unless --overwrite says
+    // that it is replaced; and where a file would be replaced that the verb reads or that is not of that page.
     UnfinishedWebPage(std::filesystem::path folder, WebPlayer player, bool has_sound);
 
     // Where the stream is to be written, and beside it the sound, if it has one.

@@ -28,7 +28,7 @@ export class Controls {
         this.#player = player;
         const add = (to, name, properties = {}) => to.appendChild(Object.assign(document.createElement(name), properties));
         this.#bar = add(parent, 'div', {className: 'bar', hidden: true});
-        this.#play = this.#button(() => player.paused ? player.play() : player.pause());
+        this.#play = this.#button(() => player.paused ? player.play().catch(() => {}) : player.pause());
         const line = add(this.#bar, 'div', {className: 'line'});
         this.#held = add(line, 'div');
         this.#line = add(line, 'input', {type: 'range', min: 0, max: 1, step: 'any', value: 0,

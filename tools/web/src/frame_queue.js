@@ -16,6 +16,8 @@ export class FrameQueue {
     /** The frame that is shown; −1: none is. */
     get shown() { return this.#shown.frame; }
     has(frame) { return frame === this.shown || Boolean(this.#asked.get(frame)?.tree); }
+    /** Whether a frame is there, or cannot be read. */
+    isSettled(frame) { return this.has(frame) || Boolean(this.#asked.get(frame)?.error); }
     /** How many frames it should be told of before they are due, where time passes so many times as fast as usual. */
     ahead(rate) { return Math.min(Math.max(kAhead, Math.ceil(this.#lead(rate)) + 1), kMostAhead); }
     /**
@@ -64,6 +66,7 @@ export class FrameQueue {
         this.#asked.clear();
         this.#due = [];
         this.#shown = {frame: -1, partCount: 0, number: -1};
+        this.#reader.readsAheadFor(this, []);
     }
 
     // In how many frames one that is asked for now will be there.
@@ -72,7 +75,7 @@ export class FrameQueue {
     #ask(frame, partCount, inTime, now_ms) {
         const one = {frame, partCount, number: this.#count++, tree: null, error: null, stop: new AbortController()};
         this.#asked.set(frame, one);
-        this.#reader.tree(frame, partCount, one.stop.signal).then(tree => {
+        this.#reader.tree(frame, partCount, one.stop.signal, this).then(tree => {
             one.tree = tree;
             if (inTime) this.#reader.learnArrival((performance.now() - now_ms) / 1000);
         }, error => one.error = error);

@@ -1,11 +1,12 @@
 // The frames of a stream as slice trees: fetched by ranges, decoded in workers.
-import {compiled, instantiated} from './decoder.js';
+import {instantiated, loadedDecoder} from './decoder.js';
 import {FramePace} from './frame_pace.js';
 import {StreamError, crc32, headBytes, kParts, readHead} from './nvs.js';
 import {RangeSource} from './source.js';
 
 const kWorkers = Math.max(1, Math.min(4, (navigator.hardwareConcurrency ?? 2) - 1));
 const kMostTableBytes = 1 << 20;  // inflated
+const kMostTables = 8;            // groups whose tables are kept inflated
 const kLeastParts = 2;            // of a frame, its shape and coarse colours: what the ladder takes at least
 const kAhead_s = 3;               // of which the bytes are fetched before they are asked for
 
@@ -14,7 +15,7 @@ const kNothing = {frame: -1, partCount: 0};
 /** A worker, which decodes what it is asked for in order. */
 class Decoder {
     #worker = new Worker(new URL('worker.js', import.meta.url), {type: 'module'});
-    #waiting = new Map(); #next = 0; #problem = ''; #ready;
+    #waiting = new Map(); #next = 0; #problem = ''; #ready; #group = null;  // whose tables it has
     last = kNothing;            // what it has decoded last
     planned = kNothing;         // what it is asked for last
     load = 0;                   // how many frames it is asked for and has not answered
@@ -23,18 +24,22 @@ class Decoder {
         this.#worker.onmessage = ({data}) => {
             const {resolve, reject} = this.#waiting.get(data.id);
             this.#waiting.delete(data.id);
+            if (data.error) this.#group = null;
             data.error ? reject(new StreamError(data.error)) : resolve(data);
         };
         this.#worker.onerror = () => this.#fail('the decoder could not be loaded');
         this.#ready = module.then(one => this.#worker.postMessage({module: one}), error => this.#fail(error.message));
     }
+    get isBroken() { return this.#problem !== ''; }
     async decode(request) {
         await this.#ready;
         if (this.#problem) throw new StreamError(this.#problem);
         const id = this.#next++;
         return new Promise((resolve, reject) => {
             this.#waiting.set(id, {resolve, reject});
-            this.#worker.postMessage({id, ...request});
+            const {group} = request, tables = group.key === this.#group ? null : group.tables;
+            this.#group = group.key;
+            this.#worker.postMessage({id, ...request, group: {...group, tables}});
         });
     }
     end() {
@@ -69,20 +74,14 @@ function expectWhole(bytes, crc) {
     return bytes;
 }
 
-function loadedModule() {
-    return compiled(new URL('decoder.wasm', import.meta.url)).catch(error => {
-        throw new StreamError(`the decoder could not be loaded: ${error.message}`);
-    });
-}
-
 export class FrameReader {
-    #source; #module = loadedModule(); #decoders = []; #pace = null; #readsAhead = false;
+    #source; #inflated = new Map(); #decoders = []; #pace = null; #readsAhead = false;
     fps = 0; frames = []; box = null;  // as readHead has them
 
     /** Opens the stream at an address. Throws StreamError. */
     static async open(url) {
         const reader = new FrameReader(), source = new RangeSource(url);
-        reader.#module.then(instantiated).then(codec => reader.#pace = new FramePace(codec, kWorkers))
+        loadedDecoder().then(instantiated).then(codec => reader.#pace = new FramePace(codec, kWorkers))
             .catch(() => {});  // it is thrown where frames are asked for
         const bytes = await source.read(0, headBytes(await source.begin(), source.size));
         const {fps, end, box, frames} = readHead(bytes);
@@ -94,10 +93,11 @@ export class FrameReader {
     /**
      * The slice tree of a frame, as worker.js makes it, with the box of its group and the times that decoding took; from
      * its first `partCount` parts alone. Where the signal aborts, what has not come yet is not fetched any more, and not
-     * decoded. Throws StreamError, or what the signal says.
+     * decoded. What comes after it is read ahead for `user`. Throws StreamError, or what the signal says.
      */
-    async tree(frame, partCount = kParts, signal = null) {
-        if (this.#decoders.length === 0) this.#decoders = Array.from({length: kWorkers}, () => new Decoder(this.#module));
+    async tree(frame, partCount = kParts, signal = null, user = null) {
+        this.#decoders = this.#decoders.filter(decoder => !decoder.isBroken);
+        while (this.#decoders.length < kWorkers) this.#decoders.push(new Decoder(loadedDecoder()));
         const decoder = this.#decoderFor(frame, partCount), requests = new Map();
         const request = number => {
             if (!requests.has(number)) requests.set(number, this.#fetched(number, partCount, signal));
@@ -109,7 +109,7 @@ export class FrameReader {
         ++decoder.load;
         const result = decoder.turn.then(() => this.#decoded(decoder, frame, partCount, request, signal));
         decoder.turn = result.catch(() => {}).finally(() => --decoder.load);
-        if (this.#readsAhead) this.#readAhead(frame, partCount);
+        if (this.#readsAhead) this.#readAhead(frame, partCount, user);
         const {boxMin, boxSize} = this.frames[frame].group, answer = await result;
         this.#readsAhead = true;  // nothing shall come before the first picture
         return {...answer, boxMin, boxSize};
@@ -124,6 +124,8 @@ export class FrameReader {
     learnArrival(seconds) { this.#pace?.learnArrival(seconds); }
     /** A frame that is asked for now is nearly always there after so many seconds. */
     get lead_s() { return this.#pace?.lead() ?? 0; }
+    /** What is read ahead for one of those who read from it, in place of what was before. */
+    readsAheadFor(user, ranges) { this.#source.readAhead(user, ranges); }
     /** Whether all bytes of a frame have come. */
     isFetched(frame) { return this.frames[frame].parts.every(({begin, bytes}) => this.#source.has(begin, bytes)); }
     end() {
@@ -145,7 +147,7 @@ export class FrameReader {
         return this.#decoders.reduce((a, b) => count(b) < count(a) || (count(b) === count(a) && b.load < a.load) ? b : a);
     }
     // The bytes of the frames behind it are fetched meanwhile, of as many parts.
-    #readAhead(frame, partCount) {
+    #readAhead(frame, partCount, user) {
         const {group} = this.frames[frame], ranges = [];
         let end = frame + 1;  // of the frames that are read ahead
         while (end < this.frames.length && this.frames[end].group === group) ++end;
@@ -158,7 +160,7 @@ export class FrameReader {
             ranges.push({begin: tables.begin, bytes: bytesUntil[partCount - 1]});
             end += frameCount;
         }
-        this.#source.readAhead(ranges);
+        this.readsAheadFor(user, ranges);
     }
     // What was planned before may have been left out meanwhile.
     async #decoded(decoder, frame, partCount, request, signal) {
@@ -173,16 +175,23 @@ export class FrameReader {
             if (i === frame) return {...answer.tree, times};
         }
     }
+    // The tables of a group, inflated. Those of the last few groups are kept.
+    #tables(group) {
+        if (!this.#inflated.has(group)) {
+            const one = this.#source.read(group.tables.begin, group.tables.bytes).then(bytes => inflated(expectWhole(bytes, group.tables.crc)));
+            one.catch(() => this.#inflated.delete(group));  // they may come when they are asked for again
+            this.#inflated.set(group, one);
+        }
+        for (const oldest of this.#inflated.keys()) {
+            if (this.#inflated.size <= kMostTables) break;
+            if (oldest !== group) this.#inflated.delete(oldest);
+        }
+        return this.#inflated.get(group);
+    }
     async #fetched(number, partCount, signal) {
         const {group, isKey, parts: all} = this.frames[number], parts = all.slice(0, partCount);
-        group.inflated ??= this.#source.read(group.tables.begin, group.tables.bytes)
-            .then(bytes => inflated(expectWhole(bytes, group.tables.crc)))
-            .catch(error => {
-                group.inflated = undefined;
-                throw error;
-            });
         const [tables, ...read] = await Promise.all(
-            [group.inflated, ...parts.map(({begin, bytes}) => this.#source.read(begin, bytes, signal))]);
+            [this.#tables(group), ...parts.map(({begin, bytes}) => this.#source.read(begin, bytes, signal))]);
         const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.bytes, 0));
         let at = 0;
         for (const [i, part] of parts.entries()) {

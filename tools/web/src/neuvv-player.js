@@ -129,7 +129,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
             this.#sizes.observe(this.#canvas);
             if (!this.#immersion) this.#schedule();
             await this.open(new URL(this.src, document.baseURI), this.#soundUrl());
-            if (opening === this.#opening && this.readyState > 0 && this.autoplay) this.play();
+            if (opening === this.#opening && this.readyState > 0 && this.autoplay) this.play().catch(() => {});  // the event `error` says it
         } catch (error) {
             if (opening === this.#opening) this.fail(error);
         }
@@ -194,7 +194,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
         orbit.listen(canvas, () => this.shadowRoot.activeElement === canvas);
         const keys = {ArrowLeft: () => orbit.turn(-kStepTurn, 0), ArrowRight: () => orbit.turn(kStepTurn, 0), ArrowUp: () => orbit.turn(0, kStepTurn),
                       ArrowDown: () => orbit.turn(0, -kStepTurn), '+': () => orbit.turn(0, 0, 0.9), '-': () => orbit.turn(0, 0, 1.1), Home: () => orbit.reset(),
-                      ' ': () => this.paused ? this.play() : this.pause(), f: () => this.#fillScreen(), m: () => this.muted = !this.muted,
+                      ' ': () => this.paused ? this.play().catch(() => {}) : this.pause(), f: () => this.#fillScreen(), m: () => this.muted = !this.muted,
                       ',': () => this.step(-1), '.': () => this.step(1)};
         canvas.addEventListener('keydown', event => {
             if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;

@@ -21,6 +21,8 @@ export const playing = Base => class extends Base {
     #reader = null; #letGo = null; #opening = 0; #queue = null;
     #time = 0; #paused = true; #rate = 1; #last = null; #told = -1;
     #seeking = false; #hasData = false; #isWaiting = false; #ended = false;
+    #start_s = 0;     // where a stream that is opened begins
+    #starting = [];   // promises of play()
     #sound = new Sound(() => this.#tell('volumechange'));
     /** What was wrong last: an Error, or null. */
     error = null;
@@ -38,9 +40,10 @@ export const playing = Base => class extends Base {
         this.#rate = rate;
         this.#tell('ratechange');
     }
-    get currentTime() { return this.#time; }
+    get currentTime() { return this.#reader ? this.#time : this.#start_s; }
     set currentTime(seconds) {
         if (!Number.isFinite(seconds)) throw new TypeError('currentTime must be a number of seconds');
+        if (!this.#reader) return void (this.#start_s = Math.max(0, seconds));
         this.#time = Math.max(0, Math.min(seconds, this.#end()));
         this.#seeking = true;
         this.#ended = false;
@@ -79,9 +82,16 @@ export const playing = Base => class extends Base {
     /** Around all that is shown, metres: {min, max}; null while that is not known. */
     get box() { return this.#reader?.box ?? null; }
 
-    /** Returns a promise, as HTMLMediaElement's does. Frames that could not be read are asked for again. */
-    async play() {
-        if (!this.#paused) return;
+    /**
+     * Frames that could not be read are asked for again. Returns a promise, as HTMLMediaElement's does: it resolves when the
+     * stream plays, and rejects where it is paused or cannot be read before.
+     */
+    play() {
+        const started = this.#paused || this.#isWaiting ? new Promise((resolve, reject) => this.#starting.push({resolve, reject})) : Promise.resolve();
+        if (this.#paused) this.#begin();
+        return started;
+    }
+    #begin() {
         this.#queue?.tryAgain();
         if (this.#reader) this.error = null;
         if (this.#time >= this.#end() && !this.loop) this.#time = 0;
@@ -93,6 +103,7 @@ export const playing = Base => class extends Base {
     pause() {
         if (this.#paused) return;
         this.#paused = true;
+        this.#endStarting(new DOMException('play() was ended by pause()', 'AbortError'));
         this.#sound.follow(this.#time, 0);
         this.#tell('pause');
     }
@@ -105,8 +116,8 @@ export const playing = Base => class extends Base {
 
     /** Opens the stream at an address, and ends the one before. `soundUrl`: of what is heard with it, or null. */
     async open(url, soundUrl) {
-        this.close();
-        const opening = this.#opening;
+        if (this.#reader) this.close();
+        const opening = ++this.#opening;
         try {
             const {reader, letGo} = await openShared(url);
             if (opening !== this.#opening) return letGo();
@@ -114,13 +125,18 @@ export const playing = Base => class extends Base {
             this.#queue = new FrameQueue(reader);
             this.#letGo = letGo;
             this.#sound.open(soundUrl);
+            if (this.#start_s > 0) this.currentTime = this.#start_s;
+            this.#start_s = 0;
             this.#tell('durationchange');
             this.#tell('loadedmetadata');
         } catch (error) {
             if (opening === this.#opening) this.fail(error);
         }
     }
+    /** Ends the stream that is open, or being opened, and pauses. */
     close() {
+        this.#paused = true;
+        this.#endStarting(new DOMException('play() was ended by another stream', 'AbortError'));
         ++this.#opening;  // what is being opened is dropped when it is there
         this.#queue?.clear();
         this.#letGo?.();
@@ -134,6 +150,7 @@ export const playing = Base => class extends Base {
     }
     /** Stops, and says why by the event `error`. */
     fail(error) {
+        this.#endStarting(error);
         this.pause();
         this.error = error;
         this.dispatchEvent(new ErrorEvent('error', {error, message: error.message}));
@@ -141,7 +158,9 @@ export const playing = Base => class extends Base {
     /** Moves the clock on to `now`, milliseconds. Returns the slice tree that is to be shown from now on; null: it stays. */
     tick(now) {
         if (!this.#reader) return null;
+        const opening = this.#opening;
         this.#advance(now);
+        if (opening !== this.#opening) return null;  // a listener has opened another stream, or ended this one
         const waits = this.#isWaiting && !this.#paused;
         this.#queue.follow(this.#due(), {rate: this.#paused || waits ? 0 : this.#rate, waits, seeks: this.#seeking});
         return this.#takenFrame();
@@ -165,6 +184,10 @@ export const playing = Base => class extends Base {
     hearFrom(place) { this.#sound.place(place); }
 
     #tell(name) { this.dispatchEvent(new Event(name)); }
+    // Settles what play() has returned.
+    #endStarting(error = null) {
+        for (const {resolve, reject} of this.#starting.splice(0)) error ? reject(error) : resolve();
+    }
     #frameOf(seconds) { return Math.min(Math.floor(seconds * this.#reader.fps), this.#reader.frames.length - 1); }
     // The last time at which the last frame is shown.
     #end() { return this.#reader ? (this.#reader.frames.length - 0.001) / this.#reader.fps : 0; }
@@ -175,8 +198,11 @@ export const playing = Base => class extends Base {
         this.#last = now;
         if (this.#paused) return;
         if (this.#isWaiting !== this.#isLate()) {
+            const opening = this.#opening;
             this.#isWaiting = !this.#isWaiting;
+            if (!this.#isWaiting) this.#endStarting();
             this.#tell(this.#isWaiting ? 'waiting' : 'playing');
+            if (opening !== this.#opening || this.#paused) return;
         }
         const heard = this.#sound.follow(this.#time, this.#isWaiting ? 0 : this.#rate);
         if (this.#isWaiting) return;
@@ -194,7 +220,8 @@ export const playing = Base => class extends Base {
     }
     // A frame that comes late is left out. Where none comes, the player waits for that of its time and the one after it.
     #isLate() {
-        if (this.readyState >= (this.#isWaiting ? 4 : 2)) return false;
+        const frame = this.#frameOf(this.#time), next = Math.min(frame + 1, this.#reader.frames.length - 1);
+        if (this.#queue.has(frame) && (!this.#isWaiting || this.#queue.isSettled(next))) return false;
         const over_s = (this.#queue.shown + 1) / this.#reader.fps;  // when what is shown is
         const late_s = this.#time >= over_s ? this.#time - over_s : this.#time + this.duration - over_s;
         return this.#isWaiting || this.#seeking || this.#queue.shown < 0 || late_s > kMostLate_s * this.#rate;
@@ -207,7 +234,7 @@ export const playing = Base => class extends Base {
         return due;
     }
     #takenFrame() {
-        const one = this.#queue.take();
+        const one = this.#queue.take(), opening = this.#opening;
         if (one?.error && one.error !== this.error) this.fail(one.error);  // once, until play() tries again
         if (one?.tree) {
             this.#reader.learn(one.tree.times);
@@ -217,6 +244,7 @@ export const playing = Base => class extends Base {
                 this.#tell('canplay');
             }
         }
+        if (opening !== this.#opening) return null;
         if (this.#seeking && this.#frameOf(this.#time) === this.#queue.shown) {
             this.#seeking = false;
             this.#tell('seeked');
@@ -225,6 +253,6 @@ export const playing = Base => class extends Base {
             this.#told = this.#time;
             this.#tell('timeupdate');
         }
-        return one?.tree ?? null;
+        return opening === this.#opening ? one?.tree ?? null : null;
     }
 };

@@ -17,7 +17,7 @@ const isPassing = status => status === 429 || status >= 500;
 /** Reads ranges of a file in blocks of 16 KiB, of which it keeps 64 MiB. A request that fails is made four times. */
 export class RangeSource {
     #url; #blocks = new Map(); #requests = new Set(); #isCancelled = false; #rate = new ByteRate();
-    #ahead = [];      // ranges of blocks
+    #ahead = new Map();  // ranges of blocks, by whom they are for
     size = Infinity;  // of the file, where its server says so
     constructor(url) { this.#url = url; }
 
@@ -37,14 +37,16 @@ export class RangeSource {
         return result;
     }
     /**
-     * Says what is read next, the first first, as {begin, bytes}, so that it is fetched while nothing else is; in place
-     * of what was said before.
+     * Says what `user` reads next, the first first, as {begin, bytes}, so that it is fetched while nothing else is; in place
+     * of what was said for it before.
      */
-    readAhead(ranges) {
-        this.#ahead = ranges.filter(({bytes}) => bytes > 0)
+    readAhead(user, ranges) {
+        const blocks = ranges.filter(({bytes}) => bytes > 0)
             .map(({begin, bytes}) => ({first: Math.floor(begin / kBlock), end: Math.floor((begin + bytes - 1) / kBlock) + 1}));
+        ranges.length > 0 ? this.#ahead.set(user, blocks) : this.#ahead.delete(user);
+        const all = [...this.#ahead.values()].flat();
         for (const request of this.#requests)
-            if (request.waiting === 0 && !this.#ahead.some(({first, end}) => request.first < end && first < request.end))
+            if (request.waiting === 0 && !all.some(({first, end}) => request.first < end && first < request.end))
                 this.#drop(request);
         this.#goOn();
     }
@@ -87,7 +89,7 @@ export class RangeSource {
         for (const request of this.#requests)
             if (++running <= kMostRequests || request.stop.signal.aborted) request.begin();
         const most = Math.min(Math.max(kLeastOfARequest, Math.floor(kRequestAhead_s * this.bytesPerSecond / kBlock)), kMostOfARequest);
-        for (const range of this.#ahead)
+        for (const range of [...this.#ahead.values()].flat())
             for (; range.first < range.end; ++range.first) {
                 if (this.#requests.size >= kMostRequests || this.#isCancelled) return;
                 if (!this.#blocks.has(range.first)) this.#begin(range.first, Math.min(range.end, range.first + most));

@@ -1,6 +1,7 @@
 // Decodes frames of one group after the other, and makes slice trees of them, in a worker.
 //   first: {module}, decoder.wasm as it is compiled
-//   in:  {id, group: {key, tables, depth, degree, mostLeaves, boxSize}, bytes, sizes, partCount, wantsTree}
+//   in:  {id, group: {key, tables, depth, degree, mostLeaves, boxSize}, bytes, sizes, partCount, wantsTree}; tables: null where those of
+//       the last group go on
 //   out: {id, tree, times: {shapes, shapes_s, planeBytes, planes_s, tree_s}} or {id, error}; the tree's arrays are
 //        whole rows of textures
 import {copied, instantiated} from './decoder.js';

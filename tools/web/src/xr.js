@@ -167,7 +167,7 @@ export class Immersion {
         const grab = this.#grabs.get(inputSource);
         this.#grabs.delete(inputSource);
         if (!grab || grab.button !== 'select' || grab.moved > kTap_m || performance.now() - grab.begin > kTap_ms) return;
-        this.#player.paused ? this.#player.play() : this.#player.pause();
+        this.#player.paused ? this.#player.play().catch(() => {}) : this.#player.pause();
     }
     // One hand that holds the performer moves and turns it; two also scale it.
     #follow(frame) {

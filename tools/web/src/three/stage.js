@@ -61,7 +61,7 @@ export class Stage extends EventTarget {
         this.#paused = false;
         this.#last = null;
         if (this.#time >= this.#duration && !this.loop) this.#time = 0;
-        for (const {mesh} of this.#performers) mesh.media.play();
+        for (const {mesh} of this.#performers) mesh.media.play().catch(() => {});
         this.#tell('play');
     }
     pause() {
