@@ -38,7 +38,7 @@ struct CliWebPage : testing::Test {
         std::filesystem::remove_all(player);
         std::filesystem::create_directory(player);
         for (const std::string& name : files) write_text(player / name, "the player's " + name);
-        write_text(player / "index.html", "<html><title>NeuVV</title><p>page</p></html>");
+        write_text(player / "index.html", "<html><title>NeuVV</title><neuvv-player loop></neuvv-player></html>");
         write_text(player / "performer.nvs", "somebody tried the player with it");
         write_text(player / "player.json",
                    nlohmann::json({{"written_by", "tools/web/build"}, {"files", files}}).dump());
@@ -87,7 +87,7 @@ TEST_F(CliWebPage, AStreamIsCopiedBesideThePlayer) {
     EXPECT_EQ(read_text(web + "/show.nvs"), read_text(stream));
     EXPECT_EQ(read_text(web + "/show.m4a"), "sound");
     EXPECT_EQ(read_text(web + "/decoder.wasm"), "the player's decoder.wasm");
-    EXPECT_EQ(page(), "<html><title>show &lt;1&gt; &amp; 2</title><p>page</p></html>");
+    EXPECT_EQ(page(), "<html><title>show &lt;1&gt; &amp; 2</title><neuvv-player loop></neuvv-player></html>");
 }
 
 TEST_F(CliWebPage, AClipIsEncoded) {
@@ -118,6 +118,7 @@ TEST_F(CliWebPage, OnlyAnEarlierPageIsReplaced) {
     expect_published(stream, {"--overwrite"});
     EXPECT_EQ(published_files(), (std::set<std::string>{"index.html", "player.js", "show.nvs", "mine.txt"}))
         << "nothing of the earlier page, and all that is of no page";
+    EXPECT_NE(page().find("<neuvv-player sound=\"\" loop>"), std::string::npos) << page();
     write_player({"index.html", "mine.txt"});
     expect_refusal(publish(stream, {"--overwrite"}), 2, {"--web", "mine.txt", "is not of the page"});
     EXPECT_EQ(read_text(web + "/mine.txt"), "mine");

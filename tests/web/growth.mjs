@@ -6,7 +6,7 @@ import path from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {resultsOf} from './browser.mjs';
 
-const kMostHeap = 2e6;  // bytes that the heap's middle value of the last minute may be above that of the second
+const kMostHeap = 2e6;  // bytes by which the least heap of the last minute may be above that of the second
 const [built, stream, minutes = '30'] = process.argv.slice(2);
 const here = path.dirname(fileURLToPath(import.meta.url));
 const {results} = await resultsOf({page: `/test/growth.html?minutes=${minutes}`, roots: [['/test/', here], ['/', built]],
@@ -14,12 +14,12 @@ const {results} = await resultsOf({page: `/test/growth.html?minutes=${minutes}`,
                                    flags: ['--js-flags=--expose-gc', '--enable-precise-memory-info']});
 const wrong = results.problem ? [results.problem] : [];
 if (results.counts?.length >= 18) {
-    const middle = (counts, name) => counts.map(count => count[name]).sort((a, b) => a - b)[3];
-    const second = results.counts.slice(6, 12), last = results.counts.slice(-6);
-    const [before, after] = [second, last].map(counts => middle(counts, 'heap'));
+    const minutesOf = counts => Array.from({length: Math.floor(counts.length / 6)}, (_, i) => Math.min(...counts.slice(6 * i, 6 * i + 6).map(count => count.heap)));
+    const before = minutesOf(results.counts)[1], after = minutesOf(results.counts).at(-1);
     const textures = Math.max(...results.counts.map(count => count.textures));
     console.log(`heap ${(before / 1e6).toFixed(2)} MB in the second minute, ${(after / 1e6).toFixed(2)} MB in the last; at most ${textures} textures; ` +
                 `${results.counts.at(-1).frames} times shown`);
+    console.log(`heap by minutes, MB: ${minutesOf(results.counts).map(bytes => (bytes / 1e6).toFixed(1)).join(' ')}`);
     if (after > before + kMostHeap) wrong.push('the heap grows');
     if (textures > 6) wrong.push('textures are left');  // three of a tree, and of the next
     if (results.counts.at(-1).frames === results.counts[6].frames) wrong.push('nothing was played');

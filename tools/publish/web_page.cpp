@@ -47,15 +47,18 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
     return std::ranges::find(names, name) != names.end();
 }
 
-// The player's page with another title.
-std::string titled_page(const WebPlayer& player, const std::string& title) {
-    constexpr std::string_view kBefore = "<title>", kAfter = "</title>";
+// The player's page with another title. Where there is no sound, the player is told so, and does not ask for one.
+std::string page_of(const WebPlayer& player, const std::string& title, bool has_sound) {
+    constexpr std::string_view kBefore = "<title>", kAfter = "</title>", kElement = "<neuvv-player";
     std::string page = player.page;
     const size_t before = page.find(kBefore), end = page.find(kAfter, before);
     if (before == std::string::npos || end == std::string::npos)
         throw InputError((player.folder / kPage).string(), "", "has no title", "run tools/web/build");
     const size_t begin = before + kBefore.size();
-    return page.replace(begin, end - begin, html_text(title));
+    page.replace(begin, end - begin, html_text(title));
+    const size_t element = page.find(kElement);
+    if (!has_sound && element != std::string::npos) page.insert(element + kElement.size(), " sound=\"\"");
+    return page;
 }
 
 // A folder without the list of an earlier page must be empty, but for what a run that was killed left there. Beside an
@@ -88,14 +91,14 @@ WebPlayer find_web_player() {
                              "run tools/web/build");
     const std::vector<uint8_t> page = read_file(player.folder / kPage);
     player.page.assign(page.begin(), page.end());
-    titled_page(player, "");  // throws where that cannot be done
+    page_of(player, "", true);  // throws where that cannot be done
     return player;
 }
 
 UnfinishedWebPage::UnfinishedWebPage(std::filesystem::path folder, WebPlayer player, bool has_sound)
-    : folder_(std::move(folder)), player_(std::move(player)), names_(player_.files) {
+    : folder_(std::move(folder)), player_(std::move(player)), has_sound_(has_sound), names_(player_.files) {
     names_.insert(names_.end(), {kPageList, kPageStream});
-    if (has_sound) names_.push_back(voctree::sound_file(kPageStream).string());
+    if (has_sound_) names_.push_back(voctree::sound_file(kPageStream).string());
     prepare_output_folder("--web", folder_);
     replaced_ = files_of_earlier_page(folder_);
     std::error_code error;
@@ -122,7 +125,7 @@ void UnfinishedWebPage::finish(const std::string& title) const {
         throw RuntimeFailure(fmt::format("{}: cannot be written: {}", folder_.string(), error.code().message()));
     }
     files_->finish();
-    write_text_file(folder_ / kPage, titled_page(player_, title));
+    write_text_file(folder_ / kPage, page_of(player_, title, has_sound_));
 }
 
 }  // namespace neuvv::tools

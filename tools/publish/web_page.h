@@ -39,6 +39,7 @@ class UnfinishedWebPage {
   private:
     std::filesystem::path folder_;
     WebPlayer player_;
+    bool has_sound_;
     std::vector<std::string> names_;        // of all files that are written
     std::vector<std::string> replaced_;     // of those of the earlier page
     std::optional<UnfinishedFiles> files_;  // once it is known that the folder may be written

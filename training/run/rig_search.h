@@ -51,8 +51,7 @@ using RigSearchCallback = std::function<bool(const RigSearchProgress&)>;
 std::optional<RigFindings> search_rig(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings,
                                       bool move_cameras, const RigSearchCallback& callback);
 
-// The smallest findings that are worth correcting, beside those of colour_findings.h. A clean rig gives smaller ones
-// (RESULTS.md).
+// The smallest findings that are worth correcting, beside those of colour_findings.h. A clean rig gives smaller ones.
 constexpr double kWorthPixels = 0.3;    // motion of images by poses in the draft's leaves: root of the mean square
 constexpr double kMostUnsteady = 0.25;  // of that motion: where the last rounds moved images by more, it is not found
 constexpr double kWorthFrames = kMostOffFrame, kMostDeviation = 0.1;  // of how late any camera is

@@ -53,7 +53,7 @@ constexpr const std::array<Phase, kPhaseCount>& phases_of(double leaf_pixels) {
 // Leaves of half the size are seen by a quarter as many rays each, and a step of as many rays takes more than twice as
 // long. In a budget of minutes, the last of the divisions above is therefore left out where fewer rays are to be
 // expected, at the speed so far, for each leaf and frame that it lives in: larger leaves that are seen often show more
-// than small ones that are not (RESULTS.md, "Larger leaves"). This applies only where the user left the resolution to
+// than small ones that are not. This applies only where the user left the resolution to
 // the program.
 constexpr double kMinRaysOfLeaf = 70;
 
@@ -131,7 +131,7 @@ constexpr uint32_t kStepsPerRows = 8;
 
 // These fall exponentially with progress. `epochs`: how many the whole run will have. A run of many epochs sees every
 // pixel so often that low rates at its end still reach it, and then renders have less noise; a short one needs higher
-// rates to get anywhere (RESULTS.md, "Rates at the end of a run").
+// rates to get anywhere.
 LearningRates learning_rates(double progress, double epochs);
 float camera_colour_rate(double progress);
 

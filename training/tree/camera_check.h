@@ -20,7 +20,8 @@ std::vector<double> look_times(const std::vector<double>& times);
 // What is said of two cameras, by their names, that have each other's images, without a full stop.
 std::string swap_text(const SwappedCameras& pair, const std::string& a, const std::string& b);
 
-// From so many cameras on, views between them gain little by more (training/RESULTS.md).
+// From so many cameras on, views between them gain little by more: 4, 6, 8, 10, 12, 24
+// cameras of the bundled performer gave 27.3, 28.8, 30.6, 33.1, 33.5, 34.4 dB.
 constexpr size_t kEnoughCameras = 10;
 // A time may lie so far between two frames. Images of times further away teach the frames on both sides, which blurs
 // what moves; such times are found where somebody took frames out of a larger transforms.json.

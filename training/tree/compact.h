@@ -16,7 +16,7 @@ void empty_thin_leaves(voctree::VOctree& tree);
 
 // Rounds every weight. Where each frame has its own basis, rounding changes a leaf's optical depth by 3 % and its
 // colour by a few hundredths of linear light (compact_test.cpp measures them); where frames share bases, it changes
-// weights by 1 %. Pixels are means of many leaves, so images change less (RESULTS.md says by how much).
+// weights by 1 %. Pixels are means of many leaves, so images change less.
 //
 // Where each frame has its own basis, w^σ and w^γ also become 0 in frames in which a leaf is empty. The image of a
 // frame does not change by that. Between two frames, a leaf that appears or disappears now does so over the whole

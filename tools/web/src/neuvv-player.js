@@ -67,6 +67,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
         return this.#entering;
     }
     async #enter(mode) {
+        if (!['immersive-vr', 'immersive-ar'].includes(mode)) throw new TypeError(`${mode} is neither immersive-vr nor immersive-ar`);
         if (!navigator.xr) throw new Error('this browser has no WebXR; headsets need a page that comes by https');
         if (!this.#renderer || !this.box) throw new Error('there is nothing to be shown yet');
         const immersion = new Immersion(this.#renderer, this);
@@ -77,6 +78,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
             this.dispatchEvent(new Event('enterxr'));
             immersion.ended.then(() => {
                 this.#immersion = this.#entering = null;
+                if (!this.#canvas.parentNode) this.shadowRoot.prepend(this.#canvas);  // simulated headsets take it away
                 this.dispatchEvent(new Event('leavexr'));
                 if (this.#renderer) this.#schedule();
                 this.#due = true;

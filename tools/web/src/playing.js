@@ -18,7 +18,7 @@ class Ranges {
 
 /** Adds all that to a class of EventTargets, which has the property `loop`. */
 export const playing = Base => class extends Base {
-    #reader = null; #letGo = null; #opening = 0; #queue = null;
+    #reader = null; #letGo = null; #opening = 0; #isOpening = false; #queue = null;
     #time = 0; #paused = true; #rate = 1; #last = null; #told = -1;
     #seeking = false; #hasData = false; #isWaiting = false; #ended = false;
     #start_s = 0;     // where a stream that is opened begins
@@ -40,7 +40,10 @@ export const playing = Base => class extends Base {
         this.#rate = rate;
         this.#tell('ratechange');
     }
-    get currentTime() { return this.#reader ? this.#time : this.#start_s; }
+    get currentTime() {
+        if (!this.#reader) return this.#start_s;
+        return this.#time < this.#end() ? this.#time : this.duration;
+    }
     set currentTime(seconds) {
         if (!Number.isFinite(seconds)) throw new TypeError('currentTime must be a number of seconds');
         if (!this.#reader) return void (this.#start_s = Math.max(0, seconds));
@@ -118,6 +121,7 @@ export const playing = Base => class extends Base {
     async open(url, soundUrl) {
         if (this.#reader) this.close();
         const opening = ++this.#opening;
+        this.#isOpening = true;
         try {
             const {reader, letGo} = await openShared(url);
             if (opening !== this.#opening) return letGo();
@@ -135,7 +139,9 @@ export const playing = Base => class extends Base {
     }
     /** Ends the stream that is open, or being opened, and pauses. */
     close() {
+        const wasEmpty = !this.#reader && !this.#isOpening && !this.error;
         this.#paused = true;
+        this.#isOpening = false;
         this.#endStarting(new DOMException('play() was ended by another stream', 'AbortError'));
         ++this.#opening;  // what is being opened is dropped when it is there
         this.#queue?.clear();
@@ -146,7 +152,7 @@ export const playing = Base => class extends Base {
         this.#time = 0;
         this.#hasData = this.#seeking = this.#isWaiting = this.#ended = false;
         this.error = null;
-        this.#tell('emptied');
+        if (!wasEmpty) this.#tell('emptied');
     }
     /** Stops, and says why by the event `error`. */
     fail(error) {

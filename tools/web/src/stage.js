@@ -7,6 +7,7 @@ const kUsualView = {position: [0, 1.6, 4], target: [0, 1, 0]};  // metres
 
 const problem = document.body.appendChild(Object.assign(document.createElement('div'), {className: 'problem', role: 'alert'}));
 const say = text => problem.textContent = text;
+problem.addEventListener('click', () => say(''));  // it covers a part of the stage
 
 /** Three.js and what belongs to it, which tools/web/build leaves beside this page. */
 async function libraries() {
@@ -69,7 +70,8 @@ function addControls(stage, renderer) {
 
 async function begin() {
     const all = await libraries(), {GLTFLoader, OrbitControls, NeuvvPerformerExtension} = all;
-    const src = new URLSearchParams(location.search).get('src') ?? 'show.gltf';
+    const src = new URLSearchParams(location.search).get('src') || 'show.gltf';
+    if (/\.nvs$/i.test(src)) throw new Error(`${src} is a stream, no stage: index.html?src=${src} plays it`);
     const gltf = await new GLTFLoader().register(parser => new NeuvvPerformerExtension(parser)).loadAsync(src)
         .catch(error => { throw new Error(`${src}: ${error.message}`); });
     const renderer = makeRenderer(all), scene = new all.three.Scene().add(gltf.scene), {stage} = gltf.userData, {camera, target} = view(all, gltf);
@@ -84,8 +86,10 @@ async function begin() {
     addEventListener('resize', resize);
     resize();
     standInHeadset(all, renderer, scene, camera);
-    for (const {name, mesh} of stage.performers) mesh.media.addEventListener('error', ({message}) => say(`${name}: ${message}`));
-    stage.addEventListener('play', () => say(''));
+    const problems = new Set(stage.omitted.length > 0 ? [`not shown: ${stage.omitted.join('; ')}`] : []);
+    for (const {name, mesh} of stage.performers)
+        mesh.media.addEventListener('error', ({message}) => say([...problems.add(`${name}, ${mesh.url}: ${message}`)].join('\n')));
+    say([...problems].join('\n'));
     addControls(stage, renderer);
     renderer.setAnimationLoop(now => {
         if (!renderer.xr.isPresenting) orbit.update();

@@ -45,6 +45,7 @@ export class NeuvvPerformerExtension {
         for (const name of ['environment', 'cameraPath'])
             if (settings[name]) this.#omitted.push(`the stage's ${name}`);
         gltf.userData.stage = new Stage(gltf, this.#performers, settings.duration, colourOf(settings.background) ?? new Color(0));
+        gltf.userData.stage.omitted = this.#omitted;
         if (this.#omitted.length > 0) console.warn(`NeuVV: a browser does not show ${this.#omitted.join('; ')}`);
     }
 

@@ -41,12 +41,14 @@ export class PerformerMesh extends Mesh {
      * `sound`: the address of what is heard. `isLit`: the scene's lights shine on it, as if it faced all of them; ambient light
      * of the intensity π leaves its colours as they were filmed.
      */
-    constructor({url, sound = null, loop = true, isLit = false}) {
+    constructor({url, sound = null, loop = true, isLit = false} = {}) {
+        if (!url) throw new TypeError('PerformerMesh needs the option `url`, the address of a .nvs');
         super(new BufferGeometry(), []);
         this.#options = {url, sound, loop, isLit};
         this.media.loop = loop;
         this.media.addEventListener('loadedmetadata', () => this.#fit(this.media.box));
         this.media.addEventListener('error', ({message}) => console.error(`${url}: ${message}`));
+        this.url = url;
         this.#open(new URL(url, document.baseURI), sound && new URL(sound, document.baseURI), isLit);
     }
     /** Another one with a clock of its own. */

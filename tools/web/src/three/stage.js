@@ -8,9 +8,10 @@ const kAround = 3;        // metres around performers in which directional light
 
 /** Plays all that a glTF has. Its events are HTMLMediaElement's `loadedmetadata`, `play`, `pause`, `timeupdate`, `volumechange` and `ended`. */
 export class Stage extends EventTarget {
-    #performers; #mixer; #actions; #given; #scene; #time = 0; #last = null; #paused = true; #duration = 0; #muted = false; #volume = 1;
+    #performers; #mixer; #actions; #given; #scene; #time = 0; #last = null; #paused = true; #duration = 0; #muted = false; #volume = 1; #isShown = false;
     loop = true;
     background;  // a Color, for the scene in which the stage is
+    omitted = [];  // what a browser does not show of it, in words
 
     /** `performers`: [{name, mesh, gain, time, spin_deg}], as NEUVV_performer has them. `duration`: seconds; else until all end. */
     constructor(gltf, performers, duration, background) {
@@ -74,7 +75,9 @@ export class Stage extends EventTarget {
     update(now, camera = null) {
         const passed = Math.min(now - (this.#last ?? now), kMostStep) / 1000;
         this.#last = now;
-        if (!this.#paused && this.isReady) this.#advance(passed);
+        const isReady = this.isReady;
+        if (!this.#paused && isReady && this.#isShown) this.#advance(passed);
+        this.#isShown = isReady;  // an image with the frames that were waited for comes first
         for (const action of this.#actions) action.time = Math.min(this.#time, action.getClip().duration);
         this.#mixer.update(0);
         for (const one of this.#performers) this.#show(one, camera);
