@@ -70,7 +70,8 @@ export async function useControls(stream) {
     line.dispatchEvent(new Event('input'));
     expect(Math.abs(player.currentTime - 0.6 * player.duration) < 1e-3, 'the time line does not seek');
     await event(player, 'seeked');
-    expect(root.querySelectorAll('.line span').length > 0, 'the time line does not show what was fetched');
+    for (let i = 0; i < 60 && !root.querySelector('.line span'); ++i) await new Promise(requestAnimationFrame);
+    expect(root.querySelector('.line span'), 'the time line does not show what was fetched');
     const key = name => () => canvas.dispatchEvent(new KeyboardEvent('keydown', {key: name, cancelable: true}));
     const pointer = (type, id, x, y, more = {}) => canvas.dispatchEvent(new PointerEvent(type, {pointerId: id, clientX: x, clientY: y, ...more}));
     canvas.setPointerCapture = () => {};  // of pointers that are not there

@@ -132,7 +132,7 @@ async function useElement(stream) {
         return (await failed).message;
     };
     const {buffered} = player;
-    results.element = {duration: whole, stepped, atEnd, problems: {}, fetched_s: buffered.end(buffered.length - 1) - buffered.start(0)};
+    results.element = {duration: whole, stepped, atEnd, problems: {}, fetched_s: buffered.length ? buffered.end(buffered.length - 1) - buffered.start(0) : 0};
     player.loop = true;
     await hear(player, sounds);
     player.loop = false;

@@ -126,8 +126,8 @@ export class FrameReader {
     get lead_s() { return this.#pace?.lead() ?? 0; }
     /** What is read ahead for one of those who read from it, in place of what was before. */
     readsAheadFor(user, ranges) { this.#source.readAhead(user, ranges); }
-    /** Whether all bytes of a frame have come. */
-    isFetched(frame) { return this.frames[frame].parts.every(({begin, bytes}) => this.#source.has(begin, bytes)); }
+    /** Whether the bytes of a frame have come, of as many parts as are shown at least. */
+    isFetched(frame) { return this.frames[frame].parts.slice(0, kLeastParts).every(({begin, bytes}) => this.#source.has(begin, bytes)); }
     end() {
         this.#source.cancel();
         for (const decoder of this.#decoders) decoder.end();

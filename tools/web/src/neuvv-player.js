@@ -159,6 +159,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
     }
     #tick(now) {
         this.#take(now);
+        this.#controls.showHeld();
         if (!this.#renderer) return;  // an event's listener has ended the player
         if (this.#due) this.#changed = now;
         if (!this.#resize(now) && !this.#due) return;
@@ -218,7 +219,6 @@ export class NeuvvPlayer extends playing(HTMLElement) {
             this.#renderer?.hide();
             this.#due = true;
         });
-        for (const name of ['timeupdate', 'loadeddata', 'emptied']) this.addEventListener(name, () => this.#controls.showHeld());
     }
     #fillScreen() {
         const change = document.fullscreenElement === this ? document.exitFullscreen() : this.requestFullscreen?.();
