@@ -63,15 +63,15 @@ async function useHands(player, session, device, gl) {
     right.position.set(0, middle, -0.3);
     right.quaternion.set(0, 0, 0, 1);  // towards the performer
     await frames(session, 3);
-    const picture = () => inFrame(session, () => pixelsOf(gl, {x: 0, y: 0, width: gl.drawingBufferWidth / 2, height: gl.drawingBufferHeight}));
-    const before = await picture();
+    const shownImage = () => inFrame(session, () => pixelsOf(gl, {x: 0, y: 0, width: gl.drawingBufferWidth / 2, height: gl.drawingBufferHeight}));
+    const before = await shownImage();
     right.updateButtonValue('squeeze', 1);
     await frames(session, 3);
     right.position.set(0.2, middle, -0.6);
     await frames(session, 3);
     right.updateButtonValue('squeeze', 0);
     await frames(session, 3);
-    results.moved_db = psnr(before, await picture());
+    results.moved_db = psnr(before, await shownImage());
     const began = event(player, 'play');
     right.updateButtonValue('trigger', 1);
     await frames(session, 2);
@@ -113,7 +113,10 @@ async function run() {
     player.pause();
     player.step(1);  // the page draws again
     await event(player, 'seeked');
+    results.refused = await player.enterXR('inline').then(() => '', error => error.message);
+    const entering = player.enterXR();
     player.dispose();
+    results.disposed = await entering.then(() => '', error => error.message);
 }
 
 try {

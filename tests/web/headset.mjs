@@ -41,6 +41,8 @@ if (!results.problem) {
     expect(results.swapped_db < kLeast_db - 10, 'both eyes see the same');
     expect(results.moved_db < kLeast_db - 10, 'a hand does not move the performer');
     expect(results.plays, 'a hand does not play');
+    expect(results.refused.includes('inline'), `another mode is not refused: ${results.refused}`);
+    expect(results.disposed.includes('left'), `a player that ended enters a headset: ${results.disposed}`);
 }
 if (!given) fs.rmSync(folder, {recursive: true});
 for (const text of wrong) console.error(`wrong: ${text}`);

@@ -188,6 +188,13 @@ function hitByRays(mesh, camera) {
     expect(hit && hit.distance < camera.position.distanceTo(centre) && Math.abs(box.distanceToPoint(onBox)) < 1e-6, 'a ray does not hit the box');
     rays.set(camera.position, camera.position.clone().sub(corner).normalize());
     expect(rays.intersectObject(mesh).length === 0, 'a ray that looks away hits');
+    let refusal = '';
+    try {
+        new PerformerMesh({src: 'performer.nvs'});
+    } catch (error) {
+        refusal = error.message;
+    }
+    expect(refusal.includes('url'), `a performer without an address is made: ${refusal}`);
 }
 
 // A floor, and lights of each kind whose shadows can be switched off.
@@ -206,6 +213,9 @@ async function castShadows() {
         mesh.update(performance.now());
         return mesh.media.readyState >= 2;
     }, 'a performer');
+    const twin = mesh.clone();
+    expect(twin.castShadow && twin.position.equals(mesh.position) && twin.media !== mesh.media, 'a clone is not one');
+    twin.dispose();
     const lights = {directional: new THREE.DirectionalLight(0xffffff, 2), spot: new THREE.SpotLight(0xffffff, 60, 0, 0.5),
                     point: new THREE.PointLight(0xffffff, 30)};
     for (const [name, light] of Object.entries(lights)) {
