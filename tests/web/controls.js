@@ -1,24 +1,24 @@
 // Uses a player as people do, by its bar, keys, pointers and attributes. Returns what was wrong, in lines.
 import {pixels, psnr} from './images.js';
 
-const kOther_db = 30;  // between pictures that differ
+const kOther_db = 30;  // between images that differ
 
 const event = (target, name) => new Promise(resolve => target.addEventListener(name, resolve, {once: true}));
 
 // What it shows some images later.
-async function picture(player) {
+async function shownImage(player) {
     for (let i = 0; i < 4; ++i) await new Promise(requestAnimationFrame);
     const bitmap = await createImageBitmap(player.shadowRoot.querySelector('canvas'), {resizeWidth: 160, resizeHeight: 120});
     return pixels(bitmap, 160, 120);  // of one size, however many rays it has
 }
 
-// Which of the actions, {name: function}, leave the picture as it is.
+// Which of the actions, {name: function}, leave the image as it is.
 async function withoutEffect(player, actions) {
     const names = [];
-    let before = await picture(player);
+    let before = await shownImage(player);
     for (const [name, act] of Object.entries(actions)) {
         act();
-        const after = await picture(player);
+        const after = await shownImage(player);
         if (psnr(before, after) > kOther_db) names.push(name);
         before = after;
     }
@@ -27,14 +27,14 @@ async function withoutEffect(player, actions) {
 
 // Whether the same is shown again within five seconds, after the browser has lost its graphics.
 async function comesBack(player, canvas) {
-    const before = await picture(player), losing = canvas.getContext('webgl2').getExtension('WEBGL_lose_context');
+    const before = await shownImage(player), losing = canvas.getContext('webgl2').getExtension('WEBGL_lose_context');
     const restored = event(canvas, 'webglcontextrestored'), begin = performance.now();
     losing.loseContext();
     await new Promise(resolve => setTimeout(resolve, 100));  // the page hears of it
     losing.restoreContext();
     await restored;
     while (performance.now() - begin < 5000)
-        if (psnr(before, await picture(player)) > kOther_db) return true;
+        if (psnr(before, await shownImage(player)) > kOther_db) return true;
     return false;
 }
 
@@ -92,7 +92,7 @@ export async function useControls(stream) {
     const still = await withoutEffect(player, {ArrowLeft: key('ArrowLeft'), ArrowUp: key('ArrowUp'), '+': key('+'), drag: drag({}),
                                                shift: drag({shiftKey: true}), pinch, wheel, Home: key('Home')});
     expect(still.length === 0, `without an effect: ${still}`);
-    expect((await withoutEffect(player, {nothing: () => {}})).length === 1, 'pictures differ where nothing is done');
+    expect((await withoutEffect(player, {nothing: () => {}})).length === 1, 'images differ where nothing is done');
     const before = player.currentTime;
     key(',')();
     expect(player.currentTime < before, 'a key does not step');

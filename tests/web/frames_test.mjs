@@ -47,7 +47,7 @@ async function showFirst(queue, reader) {
     assert.strictEqual(queue.take()?.tree.frame, 0);
 }
 
-test('nothing comes before the first picture, which has few parts', async () => {
+test('nothing comes before the first frame that is shown, which has few parts', async () => {
     const reader = fakeReader(), queue = new FrameQueue(reader);
     await showFirst(queue, reader);
     assert.deepStrictEqual(reader.asked.map(({frame, partCount}) => [frame, partCount]), [[0, 2]]);

@@ -53,7 +53,7 @@ async function until(done) {
     while (!done()) await new Promise(resolve => setTimeout(resolve, 20));
 }
 
-// How long sound and picture, of a stream of some seconds, take to come within 40 ms and to stay there for 20 images, seconds.
+// How long sound and frames, of a stream of some seconds, take to come within 40 ms and to stay there for 20 images, seconds.
 async function hear(player, sounds) {
     const loaded = event(player, 'loadeddata');
     player.src = '/slow.nvs';

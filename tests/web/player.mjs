@@ -77,7 +77,7 @@ for (const [i, view] of (results.views ?? []).entries()) {
     expect(view.psnr_db >= kLeast_db, `view ${i} has ${view.psnr_db.toFixed(2)} dB`);
 }
 if (!results.problem) {
-    console.log(`first picture of the element: ${results.first_ms.toFixed(0)} ms, ${Math.round(results.first_bytes / 1000)} KB of the stream`);
+    console.log(`first frame of the element: ${results.first_ms.toFixed(0)} ms, ${Math.round(results.first_bytes / 1000)} KB of the stream`);
     expect(results.first_bytes > 0, 'no bytes were counted');
     const kProblems = {'/missing.nvs': '404', '/empty.nvs': 'is empty', '/page.nvs': 'a web page', '/damaged.nvs': 'is damaged',
                        '/elsewhere.nvs': 'is damaged', '/short.nvs': 'ends early', '/whole/stream.nvs': 'ranges'};
@@ -86,8 +86,8 @@ if (!results.problem) {
         expect(results.element.problems[url].includes(text), `${url}: "${results.element.problems[url]}" does not say "${text}"`);
     expect(results.other_view_db < kLeast_db - 10, 'another view passes, too');
     expect(results.element.atEnd, 'the player does not end');
-    console.log(`sound and picture come together after ${results.element.together_s.toFixed(1)} s`);
-    expect(results.element.together_s < 30, 'sound and picture stay apart');
+    console.log(`sound and frames come together after ${results.element.together_s.toFixed(1)} s`);
+    expect(results.element.together_s < 30, 'sound and frames stay apart');
     expect(results.playedOn, 'the next stream of a list does not play');
     expect(results.playRejects, 'play() does not say that it was ended');
     expect(results.element.isSilent, 'a player that is paused sounds');

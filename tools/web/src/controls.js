@@ -4,6 +4,7 @@ const kIcons = {play: 'M3 2v12l10-6z', pause: 'M3 2h4v12H3zM9 2h4v12H9z', whole:
                 loud: 'M2 6h3l4-4v12l-4-4H2zM11 4a5 5 0 0 1 0 8V10a3 3 0 0 0 0-4z', silent: 'M2 6h3l4-4v12l-4-4H2zM11 6l1-1 4 5-1 1zM15 5l1 1-4 5-1-1z',
                 headset: 'M1 4h14v8h-5l-2-3-2 3H1zM3 6v2h3V6zM10 6v2h3V6z'};
 
+const kShort_s = 10;
 const kPause = 250;  // milliseconds until what has been fetched is shown anew
 
 export const kControlsStyle = `
@@ -12,12 +13,16 @@ export const kControlsStyle = `
 .bar button { min-width: 2.6em; min-height: 2.2em; background: none; border: 0; color: inherit; cursor: pointer; }
 .bar svg { width: 1.2em; fill: currentColor; vertical-align: middle; }
 .bar .line { flex: 1; min-width: 0; position: relative; height: 2.2em; }
-.bar .line span { position: absolute; top: calc(50% - 3px); height: 6px; border-radius: 3px; background: #fff6; }
-.bar .line input { position: absolute; width: 100%; height: 100%; margin: 0; background: none; }
+.bar .line::before { content: ''; position: absolute; top: calc(50% - 3px); width: 100%; height: 6px; border-radius: 3px; background: #fff3; }
+.bar .line span { position: absolute; top: calc(50% - 3px); height: 6px; border-radius: 3px; background: #fff8; }
+.bar .line input { position: absolute; width: 100%; height: 100%; margin: 0; appearance: none; background: none; cursor: pointer; }
+.bar .line input::-webkit-slider-thumb { appearance: none; width: 14px; height: 14px; border-radius: 7px; background: #fff; }
 .bar .volume { width: 5em; }`;
 
-function minutes(seconds) {
-    return `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, '0')}`;
+// Of a stream of so many seconds; tenths where it is short.
+function minutes(seconds, duration) {
+    const isShort = duration < kShort_s, text = isShort ? (Math.floor(10 * seconds) / 10).toFixed(1) : String(Math.floor(seconds % 60));
+    return `${Math.floor(seconds / 60)}:${text.padStart(isShort ? 4 : 2, '0')}`;
 }
 
 export class Controls {
@@ -47,6 +52,8 @@ export class Controls {
         this.#show();
     }
     set hidden(on) { this.#bar.hidden = on; }
+    /** Of the bar, pixels of the page. */
+    get height() { return this.#bar.offsetHeight; }
     /** Shows which parts of the time have been fetched. */
     showHeld() {
         const now = performance.now();
@@ -86,7 +93,7 @@ export class Controls {
         this.#volume.value = player.volume;
         this.#line.max = player.duration || 1;
         this.#line.value = player.currentTime;
-        const clock = player.readyState > 0 ? `${minutes(player.currentTime)} / ${minutes(player.duration)}` : '';
+        const clock = player.readyState > 0 ? `${minutes(player.currentTime, player.duration)} / ${minutes(player.duration, player.duration)}` : '';
         this.#line.setAttribute('aria-valuetext', clock);
         if (this.#clock.textContent !== clock) this.#clock.textContent = clock;
     }

@@ -111,7 +111,7 @@ export class FrameReader {
         decoder.turn = result.catch(() => {}).finally(() => --decoder.load);
         if (this.#readsAhead) this.#readAhead(frame, partCount, user);
         const {boxMin, boxSize} = this.frames[frame].group, answer = await result;
-        this.#readsAhead = true;  // nothing shall come before the first picture
+        this.#readsAhead = true;  // nothing shall come before the first frame that is shown
         return {...answer, boxMin, boxSize};
     }
     /** How many parts of a frame that is asked for now come in time while the stream plays. */

@@ -7,7 +7,7 @@ import {loadedWalk} from './walk.js';
 import {Immersion} from './xr.js';
 
 const kMostDensity = 2;        // rays across and down of a pixel of the page
-const kStill = 300;            // milliseconds after which a picture that does not change gets more rays
+const kStill = 300;            // milliseconds after which an image that does not change gets more rays
 const kStepTurn = 0.1;         // radians, of an arrow key
 const kProperties = ['src', 'poster', 'loop', 'autoplay', 'controls', 'muted', 'volume', 'playbackRate', 'currentTime'];
 
@@ -115,6 +115,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
     }
     attributeChangedCallback(name, _, value) {
         if (name === 'controls') this.#controls.hidden = !this.controls;
+        this.#due = true;
         if (name === 'muted') this.muted = value !== null;
         if (name === 'poster') Object.assign(this.#poster, {src: this.poster, hidden: !this.poster || this.readyState >= 2});
         if ((name === 'src' || name === 'sound') && this.isConnected) this.#begin();
@@ -165,10 +166,12 @@ export class NeuvvPlayer extends playing(HTMLElement) {
         if (!this.#resize(now) && !this.#due) return;
         this.#due = false;
         const canvas = this.#canvas, box = this.box ?? {min: [0, 0, 0], max: [1, 1, 1]};
-        const {eye, clipFromTree, middle} = this.#orbit.camera(box, canvas.width / canvas.height);
+        // The bar covers no feet.
+        const low = Math.round(this.#controls.height * canvas.height / Math.max(canvas.clientHeight, 1)), height = Math.max(1, canvas.height - low);
+        const {eye, clipFromTree, middle} = this.#orbit.camera(box, canvas.width / height);
         const gl = this.#renderer.gl;
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-        gl.viewport(0, 0, canvas.width, canvas.height);
+        gl.viewport(0, low, canvas.width, height);
         this.#renderer.clear();
         this.#renderer.draw(eye, clipFromTree);
         this.hearFrom(middle);

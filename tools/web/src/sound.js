@@ -1,9 +1,9 @@
-// The sound of a stream, which comes from where the performer is. Small differences between it and the picture are the
-// picture's to make up for: it can wait unnoticed.
+// The sound of a stream, which comes from where the performer is. Where sound and frames are a little apart, the frames
+// wait, which nobody notices.
 
 const kJump = 0.5;       // seconds; a clock that goes on by more of its own between two images has jumped
 const kLeastRate = 1 / 16, kMostRate = 16;  // outside of which browsers play no sound
-const kMostApart = 1;    // seconds between sound and picture that are waited for
+const kMostApart = 1;    // seconds between sound and frames that are waited for
 const kUsualDistance = 2;  // metres at which it is as loud as its file: kUsualDistance_m of engine/stage/sound/pan.h
 
 export class Sound {
@@ -35,8 +35,9 @@ export class Sound {
         document.addEventListener('visibilitychange', this.#whenHidden);  // no image is drawn then, which could stop it
     }
     /**
-     * It is heard from `time`, seconds, on, so many times as fast; too slow or too fast, 0 too: not. Returns where it is, which the picture has to keep
-     * to; null where it does not run. It begins anew only where `time` jumps: a browser may take long for that.
+     * It is heard from `time`, seconds, on, so many times as fast; it is silent where that is too slow or too fast, so also
+     * at 0. Returns where it is, which frames have to keep to; null where it does not run. It begins anew only where `time`
+     * jumps: a browser may take long for that.
      */
     follow(time, rate) {
         const audio = this.#audio, isJump = time < this.#last || time > this.#last + kJump * Math.max(1, rate);
