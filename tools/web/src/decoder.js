@@ -30,6 +30,12 @@ export async function instantiated(module) {
     return exports;
 }
 
+/** The text at a place in its memory, which ends with a 0. */
+export function textAt(codec, place) {
+    const bytes = new Uint8Array(codec.memory.buffer);
+    return new TextDecoder().decode(bytes.slice(place, bytes.indexOf(0, place)));
+}
+
 /** The place of a copy of the bytes in its memory, to be freed. Throws where there is no memory. */
 export function copied(codec, bytes) {
     const place = codec.malloc(bytes.length + 1);

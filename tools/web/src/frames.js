@@ -1,13 +1,12 @@
 // The frames of a stream as slice trees: fetched by ranges, decoded in workers.
 import {instantiated, loadedDecoder} from './decoder.js';
 import {FramePace} from './frame_pace.js';
-import {StreamError, crc32, headBytes, kParts, readHead} from './nvs.js';
+import {StreamError, crc32, headBytes, kLeastParts, kParts, readHead} from './nvs.js';
 import {RangeSource} from './source.js';
 
 const kWorkers = Math.max(1, Math.min(4, (navigator.hardwareConcurrency ?? 2) - 1));
 const kMostTableBytes = 1 << 20;  // inflated
 const kMostTables = 8;            // groups whose tables are kept inflated
-const kLeastParts = 2;            // of a frame, its shape and coarse colours: what the ladder takes at least
 const kAhead_s = 3;               // of which the bytes are fetched before they are asked for
 
 const kNothing = {frame: -1, partCount: 0};

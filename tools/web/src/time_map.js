@@ -1,5 +1,5 @@
 // The time maps of stages: the engine's own (engine/stage/time_map.h), in time_map.wasm.
-import {compiled, copied, instantiated} from './decoder.js';
+import {compiled, copied, instantiated, textAt} from './decoder.js';
 
 const kMembers = ['factor', 'by', 'at', 'for', 'from', 'to'];  // of operators in JSON, in the order of their text
 
@@ -20,11 +20,6 @@ export function timeMapText(operators) {
     return operators.map(one => [one?.operator, ...kMembers.map(name => one?.[name]).filter(value => value !== undefined)].join(':')).join();
 }
 
-function text(place) {
-    const bytes = new Uint8Array(engine.memory.buffer);
-    return new TextDecoder().decode(bytes.slice(place, bytes.indexOf(0, place)));
-}
-
 export class TimeMap {
     #map;
     /** From the time of a stage to a clip of so many frames. Throws an Error where the map is damaged. */
@@ -36,7 +31,7 @@ export class TimeMap {
         if (!map.#map) throw new Error('there is no memory for a time map');
         const error = engine.neuvv_time_map_error(map.#map);
         if (!error) return map;
-        const problem = text(error);
+        const problem = textAt(engine, error);
         map.free();
         throw new Error(problem);
     }

@@ -4,7 +4,7 @@
 //       the last group go on
 //   out: {id, tree, times: {shapes, shapes_s, planeBytes, planes_s, tree_s}} or {id, error}; the tree's arrays are
 //        whole rows of textures
-import {copied, instantiated} from './decoder.js';
+import {copied, instantiated, textAt} from './decoder.js';
 import {kWidth} from './slice_tree.js';
 
 let ready = null, codec, group = null, groupKey = null;
@@ -20,17 +20,12 @@ function enter(wanted) {
     groupKey = wanted.key;
 }
 
-function text(place) {
-    const bytes = new Uint8Array(codec.memory.buffer);
-    return new TextDecoder().decode(bytes.slice(place, bytes.indexOf(0, place)));
-}
-
 // Returns the seconds that it took.
 function decode(request) {
     const bytes = copied(codec, request.bytes), sizes = copied(codec, new Uint8Array(Uint32Array.from(request.sizes).buffer));
     const step = run => {
         const begin = performance.now(), leaves = run(group, bytes, request.bytes.length, sizes, request.partCount);
-        if (leaves < 0) throw new Error(`a frame ${text(codec.neuvv_group_error(group))}`);
+        if (leaves < 0) throw new Error(`a frame ${textAt(codec, codec.neuvv_group_error(group))}`);
         return (performance.now() - begin) / 1000;
     };
     try {
