@@ -6,7 +6,8 @@ import path from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {resultsOf} from './browser.mjs';
 
-// By so many bytes the least heap of the last third may be above that of the first. Frames that are being decoded are more.
+// By so many bytes the least heap of the last third may be above that of the first. Frames that are being decoded, some of
+// 10 MB each, are on the heap, too: one run that fails proves no growth, and the heap by minutes has to be looked at.
 const kMostHeap = 2e6;
 const [built, stream, minutes = '30'] = process.argv.slice(2);
 const here = path.dirname(fileURLToPath(import.meta.url));
