@@ -165,9 +165,10 @@ TEST(FrameCodec, LeavesComeAndGo) {
 
 // The C functions, which are given the parts of a frame one after the other.
 struct OfGroup {
-    explicit OfGroup(const Encoded& group, const stream::Format& format) {
+    explicit OfGroup(const Encoded& group, const stream::Format& format, uint32_t coarser = 0) {
         const std::vector<uint8_t> tables = stream::bytes_of(group.tables);
-        decoder.reset(neuvv_group_new(tables.data(), tables.size(), format.depth, format.degree, format.most_leaves));
+        decoder.reset(neuvv_group_new(tables.data(), tables.size(), format.depth, format.degree, format.most_leaves,
+                                      coarser));
     }
     int32_t decode(const stream::FrameBytes& frame, uint32_t parts = stream::kParts,
                    decltype(neuvv_group_decode)* step = neuvv_group_decode) {
@@ -241,11 +242,74 @@ TEST(GroupDecoder, DecodesInTwoSteps) {
     EXPECT_EQ(group.error(), "needs as many parts as the frame before it");
 }
 
+// The leaves of a frame that was decoded from coarse parts, joined in double precision: what a coarser leaf has to have.
+struct Joined {
+    stream::Leaf leaf;
+    double area = 0, opacity = 0;                 // in areas of the finest leaves; the mean
+    double colour_weight = 0, luma = 0;           // Σ area · opacity; the mean of plane 1
+};
+std::vector<Joined> joined(const QuantisedSlice& slice, uint32_t levels) {
+    std::vector<Joined> all;
+    for (size_t i = 0; i < slice.leaves.size(); ++i) {
+        const uint32_t depth = std::min(slice.leaves[i].depth, slice.depth - levels), shift = 3 * (slice.depth - depth);
+        const stream::Leaf leaf{slice.leaves[i].cell >> shift << shift, depth};
+        if (all.empty() || all.back().leaf != leaf) all.push_back({leaf});
+        const double area = std::pow(4, slice.depth - slice.leaves[i].depth),
+                     weight = area * std::max<int16_t>(slice.planes[0][i], stream::kLeastOpacity);
+        all.back().area += area;
+        all.back().opacity += area * slice.planes[0][i];
+        all.back().colour_weight += weight;
+        all.back().luma += weight * slice.planes[1][i];
+    }
+    for (Joined& one : all) {
+        one.opacity /= one.area;
+        one.luma /= one.colour_weight;
+    }
+    return all;
+}
+
+// Leaves that lie side by side up to where they fill the side, then behind each other.
+double opacity_along(const Joined& one, uint32_t finest) {
+    const double opacity = one.opacity / stream::kUnit, filled = one.area / std::pow(4, finest - one.leaf.depth);
+    return stream::kUnit * (filled < 1 ? opacity * filled : 1 - std::pow(1 - opacity, filled));
+}
+
+TEST(GroupDecoder, DecodesFewerLeavesFromWhatLargerCellsHave) {
+    const QuantisedSlice first = random_slice(5, 8, 900, 1);
+    QuantisedSlice second = first;
+    for (size_t i = 0; i < second.leaves.size() / 4; ++i) second.planes[1][i] = static_cast<int16_t>(900 - i);
+    const Encoded frames = encode({first, second}, 20);
+    const stream::Format format{8, 1, 2000};
+    ASSERT_EQ(frames.bytes[1].parts[stream::kShape][0], 0) << "it has to repeat some leaves";
+    for (const uint32_t levels : {1u, 2u}) {
+        OfGroup group(frames, format, levels);
+        std::optional<QuantisedSlice> whole;
+        for (size_t i = 0; i < 2; ++i) {
+            const int32_t leaves = group.decode(frames.bytes[i], 3);
+            whole = stream::decode(frames.bytes[i], stream::kShCoarse, frames.tables, format, whole ? &*whole : nullptr);
+            const QuantisedSlice& slice = *stream::last_slice(group.decoder.get());
+            const std::vector<Joined> wanted = joined(*whole, levels);
+            ASSERT_EQ(slice.leaves.size(), wanted.size());
+            EXPECT_EQ(static_cast<size_t>(leaves), wanted.size());
+            EXPECT_LT(wanted.size(), whole->leaves.size());
+            // Leaves that are joined by one level have had the same values; of two levels, these were rounded.
+            const double most_opacity = levels == 1 ? 0.5 : 2, most_luma = levels == 1 ? 1e-9 : 1;
+            for (size_t k = 0; k < wanted.size(); ++k) {
+                ASSERT_EQ(slice.leaves[k], wanted[k].leaf);
+                EXPECT_NEAR(slice.planes[0][k], opacity_along(wanted[k], slice.depth), most_opacity);
+                EXPECT_NEAR(slice.planes[1][k], wanted[k].luma, most_luma);
+            }
+        }
+    }
+}
+
 TEST(GroupDecoder, RefusesWhatCannotBe) {
     const Encoded frames = encode({random_slice(5, 6, 100, 1)}, 20);
     for (const stream::Format& format :
          {stream::Format{7, 1, 2000}, {14, 1, 2000}, {0, 1, 2000}, {6, 4, 2000}, {6, 1, UINT32_MAX}})
         EXPECT_FALSE(OfGroup(frames, format).decoder);
+    EXPECT_FALSE(OfGroup(frames, {6, 1, 2000}, 3).decoder);
+    EXPECT_FALSE(OfGroup(frames, {2, 1, 2000}, 2).decoder);
     Encoded damaged = frames;
     damaged.tables.pop_back();
     EXPECT_FALSE(OfGroup(damaged, {6, 1, 2000}).decoder);
@@ -289,6 +353,16 @@ TEST(FrameCodec, DamagedBytesAreRefusedOrShowSomethingElse) {
         }
     }
     EXPECT_GT(refused, 2000u);
+    size_t shown = 0;
+    for (int i = 0; i < 3000; ++i) {
+        OfGroup group(frames, format, 1 + i % 2);
+        group.decode(frames.bytes[0], 3);
+        stream::FrameBytes damaged = frames.bytes[i / 2 % 2];
+        std::vector<uint8_t>& bytes = damaged.parts[random.below(stream::kFine)];
+        if (!bytes.empty()) bytes[random.below(bytes.size())] = static_cast<uint8_t>(random.below(256));
+        if (group.decode(damaged, 3) > 0) ++shown;
+    }
+    EXPECT_LT(shown, 3000u);
 }
 
 }  // namespace

@@ -90,9 +90,9 @@ TEST(StreamTransform, KeepsSquares) {
     const stream::QuantisedSlice slice = random_slice(2, 6, 500, 0);
     const stream::Octree tree = stream::octree_of(slice.leaves, slice.depth);
     std::vector<double> weights = areas_of(slice);
-    std::vector<int16_t> factors;
+    std::vector<int32_t> factors;
     for (size_t i = 0; i < weights.size(); ++i) {
-        factors.push_back(static_cast<int16_t>(1 + i % 5));
+        factors.push_back(static_cast<int32_t>(1 + i % 5));
         weights[i] *= factors[i];
     }
     const stream::Pairs pairs(tree, factors, 0.25);

@@ -11,9 +11,9 @@
 
 namespace neuvv::stream {
 
-std::vector<int16_t> colour_factors_of(const std::vector<int16_t>& opacity) {
-    std::vector<int16_t> factors = opacity;
-    for (int16_t& factor : factors) factor = std::max(factor, kLeastOpacity);
+std::vector<int32_t> colour_factors_of(const std::vector<int16_t>& opacity) {
+    std::vector<int32_t> factors(opacity.size());
+    for (size_t i = 0; i < factors.size(); ++i) factors[i] = std::max(opacity[i], kLeastOpacity);
     return factors;
 }
 
@@ -40,7 +40,7 @@ std::vector<std::array<int16_t, kPairs>> numbers_of(const Coefficients& coeffici
 
 // Encodes some planes, from `first` on, and sets those of `decoded` to what will be decoded.
 void encode_planes(const QuantisedSlice& slice, const Octree& tree, const Pairs& pairs,
-                   std::span<const int16_t> factors, uint32_t first, uint32_t count, FrameSymbols& frame,
+                   std::span<const int32_t> factors, uint32_t first, uint32_t count, FrameSymbols& frame,
                    QuantisedSlice& decoded, const InParts& in_parts) {
     in_parts(count, 3, [&](size_t begin, size_t end) {
         std::vector<std::vector<std::array<int16_t, kPairs>>> numbers;
@@ -65,7 +65,7 @@ void encode_all_planes(const QuantisedSlice& slice, const Octree& tree, FrameSym
     const auto planes = static_cast<uint32_t>(slice.planes.size());
     decoded.planes.resize(planes);
     encode_planes(slice, tree, Pairs(tree), {}, kOpacityPlane, 1, frame, decoded, in_parts);
-    const std::vector<int16_t> factors = colour_factors_of(decoded.planes[kOpacityPlane]);
+    const std::vector<int32_t> factors = colour_factors_of(decoded.planes[kOpacityPlane]);
     encode_planes(slice, tree, Pairs(tree, factors, 1.0 / kUnit), factors, kFirstColourPlane, planes - 1, frame,
                   decoded, in_parts);
 }
@@ -141,7 +141,7 @@ QuantisedSlice encode_repeated(const QuantisedSlice& slice, const FrameBefore& f
         repeats[i] = true;
         std::fill_n(is_taken.begin() + static_cast<ptrdiff_t>(own[at]), count, true);
     }
-    repeated = code_repeated(frame.shape, before.leaves, &repeats);
+    repeated = leaves_in(before.leaves, code_repeats(frame.shape, before.leaves, &repeats));
     QuantisedSlice rest = without_leaves(slice);
     for (size_t i = 0; i < slice.leaves.size(); ++i)
         if (!is_taken[i]) append_leaves(slice, i, i + 1, rest);

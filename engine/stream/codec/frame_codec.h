@@ -22,7 +22,7 @@ enum Part : uint32_t { kShape, kCoarse, kShCoarse, kFine, kShFine, kParts };
 
 // What weighs a leaf's colours: its area times this factor: how opaque it is, but kLeastOpacity at least.
 constexpr int16_t kLeastOpacity = 20;
-std::vector<int16_t> colour_factors_of(const std::vector<int16_t>& opacity);
+std::vector<int32_t> colour_factors_of(const std::vector<int16_t>& opacity);
 
 // The first of the planes whose streams a part has, and the end; `planes` are all.
 constexpr std::pair<uint32_t, uint32_t> planes_of_part(Part part, uint32_t planes) {

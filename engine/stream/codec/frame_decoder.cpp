@@ -26,7 +26,8 @@ FrameShape decode_shape(std::span<const uint8_t> bytes, const Tables& tables, co
     reader.expect_end();
     static const std::vector<Leaf> kNoLeaves;
     const std::vector<Leaf>& leaves_before = frame.is_key ? kNoLeaves : *before;
-    const std::vector<uint32_t> repeated = code_repeated(symbols, leaves_before, nullptr);
+    frame.repeats = code_repeats(symbols, leaves_before, nullptr);
+    const std::vector<uint32_t> repeated = leaves_in(leaves_before, frame.repeats);
     if (repeated.size() + own_leaves > format.most_leaves)
         throw std::runtime_error("has more leaves than the stream says");
     if (own_leaves > 0) frame.tree = code_shape(symbols, Octree(), format.depth, static_cast<uint32_t>(own_leaves));
@@ -38,13 +39,13 @@ FrameShape decode_shape(std::span<const uint8_t> bytes, const Tables& tables, co
 
 namespace {
 
-// The planes of a frame that is being decoded.
+// The planes of a frame that is being decoded, of the leaves of a tree: the frame's or a coarser one.
 class PlanesReader {
   public:
-    PlanesReader(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables, const Format& format,
-                 const InParts& in_parts)
+    PlanesReader(const FrameShape& shape, const Octree& tree, const PartBytes& bytes, Part last, const Tables& tables,
+                 const Format& format, const InParts& in_parts)
         : shape_(shape),
-          tree_(shape.tree),
+          tree_(tree),
           tables_(tables),
           depth_(format.depth),
           planes_(planes_of(format.degree)),
@@ -57,11 +58,12 @@ class PlanesReader {
             if (part <= last_) find_streams(part, bytes[part]);
     }
 
-    // Of the leaves that are not repeated.
-    Planes read() {
+    // Of the leaves that are not repeated. `areas` are those of a coarser tree.
+    Planes read(std::span<const int32_t> areas = {}) {
         if (tree_.leaf_count == 0) return std::move(decoded_);
-        decode_planes(Pairs(tree_), kOpacityPlane, 1);
-        const std::vector<int16_t> factors = colour_factors_of(decoded_[kOpacityPlane]);
+        decode_planes(Pairs(tree_, areas), kOpacityPlane, 1);
+        std::vector<int32_t> factors = colour_factors_of(decoded_[kOpacityPlane]);
+        for (size_t leaf = 0; leaf < areas.size(); ++leaf) factors[leaf] *= areas[leaf];
         decode_colours(Pairs(tree_, factors, 1.0 / kUnit));
         return std::move(decoded_);
     }
@@ -116,9 +118,10 @@ class PlanesReader {
             return;
         }
         code_planes<SymbolReader>(coarse, fine, tree_, pairs, depth_, own);
+        const bool reads_all = tree_.cells.size() + 1 >= depth_;  // all of the coarse streams at least
         for (const auto* readers : {&coarse, &fine})
             for (const SymbolReader& reader : *readers)
-                if (!reader.ends_well()) throw std::runtime_error("has a damaged plane");
+                if (reads_all && !reader.ends_well()) throw std::runtime_error("has a damaged plane");
     }
 
     const FrameShape& shape_;
@@ -136,7 +139,25 @@ class PlanesReader {
 Planes decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
                      const Format& format, const QuantisedSlice* before, const InParts& in_parts) {
     return merge_planes(shape.merged, before ? &before->planes : nullptr,
-                        PlanesReader(shape, bytes, last, tables, format, in_parts).read());
+                        PlanesReader(shape, shape.tree, bytes, last, tables, format, in_parts).read());
+}
+
+QuantisedSlice decode_coarser(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
+                              const Format& format, uint32_t levels, const QuantisedSlice* before) {
+    CoarserOctree own;
+    if (shape.tree.leaf_count > 0) own = coarser_octree(shape.tree, levels);
+    Planes planes =
+        PlanesReader(shape, own.tree, bytes, std::min(last, kShCoarse), tables, format, in_one_part).read(own.areas);
+    std::vector<int16_t>& opacity = planes[kOpacityPlane];
+    for (size_t i = 0; i < opacity.size(); ++i) opacity[i] = opacity_of_coarser(opacity[i], own.areas[i], levels);
+    std::vector<Leaf> own_leaves = leaves_of(own.tree, format.depth - levels);
+    for (Leaf& leaf : own_leaves) leaf.cell <<= 3 * levels;
+    static const std::vector<Leaf> kNoLeaves;
+    const std::vector<Leaf>& leaves_before = shape.is_key ? kNoLeaves : before->leaves;
+    MergedLeaves merged =
+        merge_leaves(leaves_before, leaves_in(leaves_before, shape.repeats), std::move(own_leaves), format.depth);
+    planes = merge_planes(merged, before ? &before->planes : nullptr, std::move(planes));
+    return {format.depth, format.degree, std::move(merged.leaves), std::move(planes)};
 }
 
 QuantisedSlice decode(const FrameBytes& frame, Part last, const Tables& tables, const Format& format,

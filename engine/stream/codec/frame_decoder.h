@@ -5,6 +5,7 @@
 
 #include <span>
 
+#include "stream/codec/coarser.h"
 #include "stream/codec/frame_codec.h"
 #include "stream/codec/repeats.h"
 
@@ -24,6 +25,7 @@ struct FrameShape {
     Steps steps{};
     std::vector<int16_t> roots;  // by plane: the mean of the root
     Octree tree;                 // of the leaves that are not repeated; empty where there are none
+    std::vector<bool> repeats;   // which blocks of the frame before
     MergedLeaves merged;         // all leaves
 };
 
@@ -39,6 +41,12 @@ using PartBytes = std::array<std::span<const uint8_t>, kParts>;
 // many parts; it is not read where the frame repeats nothing of it. Planes of colours are decoded `in_parts`.
 Planes decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
                      const Format& format, const QuantisedSlice* before, const InParts& in_parts = in_one_part);
+
+// The same with larger leaves, of which there are fewer: those of the finest `levels` depths become one with their
+// siblings. They get what the parts up to kShCoarse say; others are not read. `levels`: 1 to kMostCoarser, less than
+// the format's depth. `before` is the frame before with as large leaves.
+QuantisedSlice decode_coarser(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
+                              const Format& format, uint32_t levels, const QuantisedSlice* before);
 
 // Both steps, from the bytes of all parts one after the other.
 QuantisedSlice decode(const FrameBytes& frame, Part last, const Tables& tables, const Format& format,

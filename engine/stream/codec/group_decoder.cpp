@@ -21,7 +21,9 @@ static_assert(sizeof(NeuvvLeaf) == sizeof(neuvv::stream::Leaf) &&
 struct NeuvvGroupDecoder {
     neuvv::stream::Tables tables;
     neuvv::stream::Format format;
+    uint32_t coarser = 0;                               // levels
     std::optional<neuvv::stream::QuantisedSlice> last;  // the frame that was decoded last; none after an error
+    std::vector<neuvv::stream::Leaf> last_leaves;       // that it has in the stream, where those of `last` are larger
     uint32_t last_parts = 0;
     std::optional<neuvv::stream::FrameShape> shape;  // of the frame after it, until its planes are decoded
     std::array<char, 100> error{};
@@ -42,16 +44,25 @@ PartBytes c_parts_of(std::span<const uint8_t> bytes, const uint32_t* part_bytes,
 }
 
 void decode_next_shape(NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t /*parts*/) {
-    group.shape = decode_shape(bytes[kShape], group.tables, group.format, group.last ? &group.last->leaves : nullptr);
+    const std::vector<Leaf>* before = nullptr;
+    if (group.last) before = group.coarser ? &group.last_leaves : &group.last->leaves;
+    group.shape = decode_shape(bytes[kShape], group.tables, group.format, before);
 }
 
 void decode_next_planes(NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t parts) {
     if (!group.shape) throw std::runtime_error("has no shape yet");
     if (!group.shape->is_key && parts != group.last_parts)
         throw std::runtime_error("needs as many parts as the frame before it");
-    Planes planes = decode_planes(*group.shape, bytes, static_cast<Part>(parts - 1), group.tables, group.format,
-                                  group.last ? &*group.last : nullptr);
-    group.last = {group.format.depth, group.format.degree, std::move(group.shape->merged.leaves), std::move(planes)};
+    const QuantisedSlice* before = group.last ? &*group.last : nullptr;
+    const auto last = static_cast<Part>(parts - 1);
+    std::vector<Leaf>& leaves = group.shape->merged.leaves;
+    if (group.coarser) {
+        group.last = decode_coarser(*group.shape, bytes, last, group.tables, group.format, group.coarser, before);
+        group.last_leaves = std::move(leaves);
+    } else {
+        Planes planes = decode_planes(*group.shape, bytes, last, group.tables, group.format, before);
+        group.last = {group.format.depth, group.format.degree, std::move(leaves), std::move(planes)};
+    }
     group.last_parts = parts;
     group.shape.reset();
 }
@@ -84,13 +95,15 @@ const QuantisedSlice* last_slice(const NeuvvGroupDecoder* decoder) {
 }  // namespace neuvv::stream
 
 NeuvvGroupDecoder* neuvv_group_new(const uint8_t* tables, size_t table_bytes, uint32_t depth, uint32_t degree,
-                                   uint32_t most_leaves) {
+                                   uint32_t most_leaves, uint32_t coarser) {
     using namespace neuvv::stream;
+    if (coarser > kMostCoarser || coarser >= depth) return nullptr;
     if (depth < 2 || depth > kMaxDepth || depth % 2 != 0 || degree > kMaxDegree || most_leaves > kMaxStreamLeaves)
         return nullptr;
     try {
         return std::make_unique<NeuvvGroupDecoder>(
-                   NeuvvGroupDecoder{read_tables({tables, table_bytes}), {depth, degree, most_leaves}, {}, 0, {}, {}})
+                   NeuvvGroupDecoder{
+                       read_tables({tables, table_bytes}), {depth, degree, most_leaves}, coarser, {}, {}, 0, {}, {}})
             .release();
     } catch (const std::exception&) {
         return nullptr;

@@ -18,17 +18,21 @@ typedef struct {
 } NeuvvLeaf;
 
 // `tables`: those of the group, inflated. `depth`, `degree` and `most_leaves` are what the stream's head says of the
-// group. Null where these numbers or the tables cannot be. To be freed by neuvv_group_free.
+// group. `coarser`: 0, or by how many levels the finest leaves shall be larger than the stream's, 1 or 2: there are a
+// quarter as many of them then, or a sixteenth. Null where these numbers or the tables cannot be. To be freed by
+// neuvv_group_free.
 NeuvvGroupDecoder* neuvv_group_new(const uint8_t* tables, size_t table_bytes, uint32_t depth, uint32_t degree,
-                                   uint32_t most_leaves);
+                                   uint32_t most_leaves, uint32_t coarser);
 void neuvv_group_free(NeuvvGroupDecoder* decoder);
 
 // Decodes the next frame of the group from its first parts, 1 to 5, which stand one after the other in `bytes`; their
-// lengths are in `part_bytes`. Returns how many leaves the frame has, or −1 where the bytes are no frame: then, only a
-// key frame can follow. A frame that repeats some of the one before must have as many parts.
+// lengths are in `part_bytes`; coarser frames need no more than 3. Returns how many leaves the frame has, or −1 where
+// the bytes are no frame: then, only a key frame can follow. A frame that repeats some of the one before must have as
+// many parts.
 int32_t neuvv_group_decode(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
                            const uint32_t* part_bytes, uint32_t parts);
-// The same in two steps, for who measures them: first the shape, then the planes. Both get the bytes of all the parts.
+// The same in two steps, for who measures them: first the shape, after which leaves are those of the stream, then the
+// planes. Both get the bytes of all the parts.
 int32_t neuvv_group_decode_shape(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
                                  const uint32_t* part_bytes, uint32_t parts);
 int32_t neuvv_group_decode_planes(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,

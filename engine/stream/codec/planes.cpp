@@ -118,10 +118,10 @@ class Walk {
         std::vector<std::pair<uint32_t, uint32_t>> large;  // leaves above the finest depth, and their cells
         large.reserve(tree_.large_count());
         uint32_t number = 0;  // of the cell
-        for (size_t d = 0; d < finest_; ++d) {
+        for (size_t d = 0; d < tree_.cells.size(); ++d) {
             const std::vector<Cell>& cells = tree_.cells[d];
-            const bool is_last = d + 1 == finest_;
-            coders_ = is_last ? fine : coarse;
+            const bool is_last = d + 1 == tree_.cells.size();
+            coders_ = d + 1 == finest_ ? fine : coarse;
             below_ = number + cells.size();
             for (Plane& plane : planes_) plane.first_table = first_plane_table(kind_of(plane.given.number), d, finest_);
             for (const Cell& cell : cells) {

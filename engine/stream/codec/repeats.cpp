@@ -12,6 +12,15 @@ std::vector<size_t> blocks_of(const std::vector<Leaf>& leaves) {
     return first;
 }
 
+std::vector<uint32_t> leaves_in(const std::vector<Leaf>& leaves, const std::vector<bool>& blocks) {
+    std::vector<uint32_t> indices;
+    const std::vector<size_t> first = blocks_of(leaves);
+    for (size_t i = 0; i < blocks.size(); ++i)
+        for (size_t leaf = first[i]; blocks[i] && leaf < first[i + 1]; ++leaf)
+            indices.push_back(static_cast<uint32_t>(leaf));
+    return indices;
+}
+
 MergedLeaves merge_leaves(const std::vector<Leaf>& before, const std::vector<uint32_t>& repeated, std::vector<Leaf> own,
                           uint32_t depth) {
     MergedLeaves merged;

@@ -11,19 +11,20 @@ constexpr uint32_t kBlockBits = 6;  // of a cell's code: blocks of 4³ finest ce
 // The blocks of leaves: the index of the first leaf of each, and the end.
 std::vector<size_t> blocks_of(const std::vector<Leaf>& leaves);
 
-// Codes which blocks of the frame before are repeated (a writer's `repeats` say it), and returns the indices of their
-// leaves in that frame. `Coder` is a SymbolWriter or a SymbolReader.
+// The indices of the leaves of some blocks; `blocks` says of each whether it is one.
+std::vector<uint32_t> leaves_in(const std::vector<Leaf>& leaves, const std::vector<bool>& blocks);
+
+// Codes which blocks of the frame before are repeated; a writer's `repeats` say it. `Coder` is a SymbolWriter or a
+// SymbolReader.
 template <typename Coder>
-std::vector<uint32_t> code_repeated(Coder& coder, const std::vector<Leaf>& before, const std::vector<bool>* repeats) {
-    std::vector<uint32_t> repeated;
-    const std::vector<size_t> blocks = blocks_of(before);
+std::vector<bool> code_repeats(Coder& coder, const std::vector<Leaf>& before, const std::vector<bool>* repeats) {
+    std::vector<bool> coded(blocks_of(before).size() - 1);
     uint32_t last = 0;
-    for (size_t i = 0; i + 1 < blocks.size(); ++i) {
+    for (size_t i = 0; i < coded.size(); ++i) {
         last = coder.take(kRepeatTables + last, repeats && (*repeats)[i] ? 1 : 0);
-        for (size_t leaf = blocks[i]; last && leaf < blocks[i + 1]; ++leaf)
-            repeated.push_back(static_cast<uint32_t>(leaf));
+        coded[i] = last != 0;
     }
-    return repeated;
+    return coded;
 }
 
 // The leaves of a frame in order of their cells, and where they come from: runs of leaves of the frame before or of the

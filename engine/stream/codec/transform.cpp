@@ -28,7 +28,7 @@ double area_of(uint32_t depth, uint32_t finest) {
 }
 
 // Weights are whole numbers, of which no sum is rounded.
-Pairs::Pairs(const Octree& tree, std::span<const int16_t> factors, double unit)
+Pairs::Pairs(const Octree& tree, std::span<const int32_t> factors, double unit)
     : tree_(tree), factors_(factors), unit_(unit), weights_(tree.cells.size()) {
     const auto finest = static_cast<uint32_t>(tree.cells.size());
     for (uint32_t d = finest; d-- > 0;) {
@@ -54,7 +54,7 @@ CellPairs Pairs::of(size_t depth, const Cell& cell) const {
     return cell_pairs_of(halves, splits, unit_);
 }
 
-Coefficients transform(const Octree& tree, const Pairs& pairs, std::span<const int16_t> factors,
+Coefficients transform(const Octree& tree, const Pairs& pairs, std::span<const int32_t> factors,
                        std::span<const int16_t> leaves) {
     using Sums = std::array<double, 2>;  // of weights, of values by weight: whole numbers, so that none is rounded
     const auto finest = static_cast<uint32_t>(tree.cells.size());

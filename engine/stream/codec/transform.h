@@ -68,14 +68,14 @@ double area_of(uint32_t depth, uint32_t finest);
 class Pairs {
   public:
     // Tree and factors must outlive it.
-    explicit Pairs(const Octree& tree, std::span<const int16_t> factors = {}, double unit = 1);
+    explicit Pairs(const Octree& tree, std::span<const int32_t> factors = {}, double unit = 1);
     // Of a cell that is divided.
     CellPairs of(size_t depth, const Cell& cell) const;
 
   private:
     double leaf_weight(size_t leaf) const { return factors_.empty() ? 1 : factors_[leaf]; }
     const Octree& tree_;
-    std::span<const int16_t> factors_;
+    std::span<const int32_t> factors_;
     double unit_;
     std::vector<std::vector<double>> weights_;  // of the cells above the finest depth, by depth
 };
@@ -87,7 +87,7 @@ struct Coefficients {
     std::vector<std::array<double, kPairs>> values;  // 0 where there is no pair
 };
 // `factors` are those of the pairs.
-Coefficients transform(const Octree& tree, const Pairs& pairs, std::span<const int16_t> factors,
+Coefficients transform(const Octree& tree, const Pairs& pairs, std::span<const int32_t> factors,
                        std::span<const int16_t> leaves);
 
 }  // namespace neuvv::stream
