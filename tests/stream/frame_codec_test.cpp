@@ -165,10 +165,10 @@ TEST(FrameCodec, LeavesComeAndGo) {
 
 // The C functions, which are given the parts of a frame one after the other.
 struct OfGroup {
-    explicit OfGroup(const Encoded& group, const stream::Format& format, uint32_t coarser = 0) {
+    explicit OfGroup(const Encoded& group, const stream::Format& format, uint32_t budget = 0) {
         const std::vector<uint8_t> tables = stream::bytes_of(group.tables);
-        decoder.reset(neuvv_group_new(tables.data(), tables.size(), format.depth, format.degree, format.most_leaves,
-                                      coarser));
+        decoder.reset(
+            neuvv_group_new(tables.data(), tables.size(), format.depth, format.degree, format.most_leaves, budget));
     }
     int32_t decode(const stream::FrameBytes& frame, uint32_t parts = stream::kParts,
                    decltype(neuvv_group_decode)* step = neuvv_group_decode) {
@@ -242,11 +242,12 @@ TEST(GroupDecoder, DecodesInTwoSteps) {
     EXPECT_EQ(group.error(), "needs as many parts as the frame before it");
 }
 
-// The leaves of a frame that was decoded from coarse parts, joined in double precision: what a coarser leaf has to have.
+// The leaves of a frame that was decoded from coarse parts, joined in double precision: what a coarser leaf has to
+// have.
 struct Joined {
     stream::Leaf leaf;
-    double area = 0, opacity = 0;                 // in areas of the finest leaves; the mean
-    double colour_weight = 0, luma = 0;           // Σ area · opacity; the mean of plane 1
+    double area = 0, opacity = 0;        // in areas of the finest leaves; the mean
+    double colour_weight = 0, luma = 0;  // Σ area · opacity; the mean of plane 1
 };
 std::vector<Joined> joined(const QuantisedSlice& slice, uint32_t levels) {
     std::vector<Joined> all;
@@ -282,15 +283,17 @@ TEST(GroupDecoder, DecodesFewerLeavesFromWhatLargerCellsHave) {
     const stream::Format format{8, 1, 2000};
     ASSERT_EQ(frames.bytes[1].parts[stream::kShape][0], 0) << "it has to repeat some leaves";
     for (const uint32_t levels : {1u, 2u}) {
-        OfGroup group(frames, format, levels);
+        OfGroup group(frames, format, static_cast<uint32_t>(joined(first, levels).size()));
         std::optional<QuantisedSlice> whole;
         for (size_t i = 0; i < 2; ++i) {
             const int32_t leaves = group.decode(frames.bytes[i], 3);
-            whole = stream::decode(frames.bytes[i], stream::kShCoarse, frames.tables, format, whole ? &*whole : nullptr);
+            whole =
+                stream::decode(frames.bytes[i], stream::kShCoarse, frames.tables, format, whole ? &*whole : nullptr);
             const QuantisedSlice& slice = *stream::last_slice(group.decoder.get());
             const std::vector<Joined> wanted = joined(*whole, levels);
             ASSERT_EQ(slice.leaves.size(), wanted.size());
             EXPECT_EQ(static_cast<size_t>(leaves), wanted.size());
+            EXPECT_EQ(neuvv_group_coarser(group.decoder.get()), levels);
             EXPECT_LT(wanted.size(), whole->leaves.size());
             // Leaves that are joined by one level have had the same values; of two levels, these were rounded.
             const double most_opacity = levels == 1 ? 0.5 : 2, most_luma = levels == 1 ? 1e-9 : 1;
@@ -303,13 +306,29 @@ TEST(GroupDecoder, DecodesFewerLeavesFromWhatLargerCellsHave) {
     }
 }
 
+TEST(GroupDecoder, KeepsToABudgetWhereItCan) {
+    for (const uint32_t depth : {2u, 8u}) {
+        const QuantisedSlice slice = random_slice(5, depth, 900, 1);
+        const Encoded frames = encode({slice}, 20);
+        const auto leaves = [&](uint32_t budget) {
+            OfGroup group(frames, {depth, 1, 2000}, budget);
+            return static_cast<uint32_t>(group.decode(frames.bytes[0]));
+        };
+        const auto all = static_cast<uint32_t>(slice.leaves.size());
+        const auto least = static_cast<uint32_t>(joined(slice, std::min(2u, depth - 1)).size());
+        EXPECT_EQ(leaves(0), all);
+        EXPECT_EQ(leaves(all), all);
+        EXPECT_LT(leaves(all - 1), all);
+        EXPECT_EQ(leaves(least), least);
+        EXPECT_EQ(leaves(1), least) << "fewer than there can be";
+    }
+}
+
 TEST(GroupDecoder, RefusesWhatCannotBe) {
     const Encoded frames = encode({random_slice(5, 6, 100, 1)}, 20);
     for (const stream::Format& format :
          {stream::Format{7, 1, 2000}, {14, 1, 2000}, {0, 1, 2000}, {6, 4, 2000}, {6, 1, UINT32_MAX}})
         EXPECT_FALSE(OfGroup(frames, format).decoder);
-    EXPECT_FALSE(OfGroup(frames, {6, 1, 2000}, 3).decoder);
-    EXPECT_FALSE(OfGroup(frames, {2, 1, 2000}, 2).decoder);
     Encoded damaged = frames;
     damaged.tables.pop_back();
     EXPECT_FALSE(OfGroup(damaged, {6, 1, 2000}).decoder);
@@ -355,7 +374,7 @@ TEST(FrameCodec, DamagedBytesAreRefusedOrShowSomethingElse) {
     EXPECT_GT(refused, 2000u);
     size_t shown = 0;
     for (int i = 0; i < 3000; ++i) {
-        OfGroup group(frames, format, 1 + i % 2);
+        OfGroup group(frames, format, i % 2 ? 299 : 1);
         group.decode(frames.bytes[0], 3);
         stream::FrameBytes damaged = frames.bytes[i / 2 % 2];
         std::vector<uint8_t>& bytes = damaged.parts[random.below(stream::kFine)];

@@ -20,13 +20,10 @@ function millisecondsOf(canvas, draw) {
 async function compareViews({stream, width, height, angle, views}) {
     const canvas = Object.assign(document.createElement('canvas'), {width, height});
     const renderer = new Renderer(canvas, await (await fetch('/performer.frag')).text());
-    const reader = await FrameReader.open(new URL(stream, location.href));
-    results.frames = reader.frames.length;
-    results.views = [];
-    const images = [];
-    for (const {frame, eye, target, image} of views) {
+    const url = new URL(stream, location.href), reader = await FrameReader.open(url);
+    const compared = async (from, {frame, eye, target, image}) => {
         const begin = performance.now();
-        const tree = await reader.tree(frame), decoded_ms = performance.now() - begin;
+        const tree = await from.tree(frame), decoded_ms = performance.now() - begin;
         renderer.show(tree);
         const clipFromTree = multiply(perspective(angle, width / height, 0.01), lookAt(eye, target)), white = [1, 1, 1, 1];
         const draw = () => {
@@ -38,13 +35,21 @@ async function compareViews({stream, width, height, angle, views}) {
         draw();
         const png = canvas.toDataURL('image/png'), truth = new Image();
         const shown = await pixels(canvas, width, height);
-        images.push(shown);
         truth.src = image;
         await truth.decode();
-        if (images.length === 2) results.other_view_db = psnr(images[0], await pixels(truth, width, height));
-        results.views.push({psnr_db: psnr(shown, await pixels(truth, width, height)), decoded_ms, image_ms, png});
-    }
+        const wanted = await pixels(truth, width, height);
+        const entries = tree.entries.reduce((count, word) => count + (word !== 0), 0);
+        return {shown, wanted, view: {psnr_db: psnr(shown, wanted), decoded_ms, image_ms, entries, png}};
+    };
+    results.frames = reader.frames.length;
+    const all = [];
+    for (const view of views) all.push(await compared(reader, view));
+    results.views = all.map(({view}) => view);
+    results.other_view_db = psnr(all[0].shown, all[1].wanted);
     reader.end();
+    const small = await FrameReader.open(url, 1);
+    results.small = (await compared(small, views[0])).view;
+    small.end();
     renderer.end();
 }
 
@@ -141,6 +146,12 @@ async function useElement(stream) {
     const again = event(player, 'loadeddata');
     player.src = stream;
     await again;
+    player.currentTime = 0.6 * whole;
+    await event(player, 'seeked');
+    const fewer = event(player, 'loadeddata');
+    player.budget = 1;
+    await fewer;
+    results.element.budget = {leaves: player.budget, time: player.currentTime / whole, isPaused: player.paused};
     results.element.recovers = player.shadowRoot.querySelector('.problem').textContent === '';
     const parent = player.parentNode;
     player.remove();

@@ -8,7 +8,7 @@ import path from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {resultsOf} from './browser.mjs';
 
-const kAngle = 0.6, kLeast_db = 45;
+const kAngle = 0.6, kLeast_db = 45, kLeastSmall_db = 20;
 const [neuvv, built, stream, given, size = '320x240'] = process.argv.slice(2);
 const folder = given ?? fs.mkdtempSync(path.join(os.tmpdir(), 'neuvv-web-'));
 fs.mkdirSync(folder, {recursive: true});
@@ -77,6 +77,11 @@ for (const [i, view] of (results.views ?? []).entries()) {
     expect(view.psnr_db >= kLeast_db, `view ${i} has ${view.psnr_db.toFixed(2)} dB`);
 }
 if (!results.problem) {
+    const {small, views: [whole]} = results;
+    fs.writeFileSync(path.join(folder, 'web_small.png'), Buffer.from(small.png.split(',')[1], 'base64'));
+    console.log(`view 0 with as few leaves as can be: ${small.psnr_db.toFixed(2)} dB, image ${small.image_ms.toFixed(0)} ms`);
+    expect(small.entries < 0.6 * whole.entries, 'a budget leaves as many leaves');
+    expect(small.psnr_db > kLeastSmall_db, `with a budget, view 0 has ${small.psnr_db.toFixed(2)} dB`);
     console.log(`first frame of the element: ${results.first_ms.toFixed(0)} ms, ${Math.round(results.first_bytes / 1000)} KB of the stream`);
     expect(results.first_bytes > 0, 'no bytes were counted');
     const kProblems = {'/missing.nvs': '404', '/empty.nvs': 'is empty', '/page.nvs': 'a web page', '/damaged.nvs': 'is damaged',
@@ -92,6 +97,8 @@ if (!results.problem) {
     expect(results.playRejects, 'play() does not say that it was ended');
     expect(results.element.isSilent, 'a player that is paused sounds');
     expect(results.element.fetched_s > 0.9 * results.element.duration, 'what has been fetched is not told');
+    const {budget} = results.element;
+    expect(budget.leaves === 1 && Math.abs(budget.time - 0.6) < 0.01 && budget.isPaused, `another budget changes more: ${JSON.stringify(budget)}`);
     expect(results.element.recovers, 'the player does not recover');
     expect(results.element.duration > 0 && results.element.stepped > 0, 'the player does not step');
     for (const text of results.controls) wrong.push(text);

@@ -15,7 +15,7 @@ if (!stream) {
     process.exit(1);
 }
 const {copied, instantiated} = await import(path.resolve(built, 'decoder.js'));
-const {headBytes, kParts, readHead} = await import(path.resolve(built, 'nvs.js'));
+const {headBytes, kCoarseParts, kParts, readHead} = await import(path.resolve(built, 'nvs.js'));
 const file = fs.readFileSync(stream), {frames} = readHead(file.subarray(0, headBytes(file, file.length)));
 const codec = await instantiated(await WebAssembly.compile(fs.readFileSync(path.join(built, 'decoder.wasm'))));
 const bytesAt = ({begin, bytes}) => file.subarray(begin, begin + bytes);
@@ -27,38 +27,38 @@ function milliseconds(work) {
     return (user + system) / 1000;
 }
 
-function openGroup({tables: place, depth, degree, mostLeaves}) {
+function openGroup({tables: place, depth, degree, mostLeaves}, budget) {
     const bytes = inflateSync(bytesAt(place)), tables = copied(codec, bytes);
-    const group = codec.neuvv_group_new(tables, bytes.length, depth, degree, mostLeaves);
+    const group = codec.neuvv_group_new(tables, bytes.length, depth, degree, mostLeaves, budget);
     codec.free(tables);
     if (!group) throw new Error(`${stream}: its tables are damaged`);
     return group;
 }
 
 // Both steps of the frame that follows, and the slice tree of it.
-function measureFrame(group, {group: {boxSize}, parts}) {
-    const bytes = Buffer.concat(parts.map(bytesAt)), place = copied(codec, bytes);
-    const sizes = copied(codec, new Uint8Array(Uint32Array.from(parts, part => part.bytes).buffer));
+function measureFrame(group, {group: {boxSize}, parts: all}, partCount) {
+    const parts = all.slice(0, partCount), bytes = Buffer.concat(parts.map(bytesAt)), place = copied(codec, bytes);
+    const sizes = copied(codec, new Uint8Array(Uint32Array.from(all, part => part.bytes).buffer));
     let leaves, tree;
     const decode_ms = milliseconds(() => {
-        leaves = codec.neuvv_group_decode_shape(group, place, bytes.length, sizes, kParts);
-        if (leaves >= 0) leaves = codec.neuvv_group_decode_planes(group, place, bytes.length, sizes, kParts);
+        leaves = codec.neuvv_group_decode_shape(group, place, bytes.length, sizes, partCount);
+        if (leaves >= 0) leaves = codec.neuvv_group_decode_planes(group, place, bytes.length, sizes, partCount);
     });
     if (leaves < 0) throw new Error(`${stream}: a frame is damaged`);
     const tree_ms = milliseconds(() => tree = codec.neuvv_slice_tree_new(group, ...boxSize));
     for (const free of [place, sizes]) codec.free(free);
     codec.neuvv_slice_tree_free(tree);
-    return {decode_ms, tree_ms};
+    return {decode_ms, tree_ms, leaves};
 }
 
-function measure() {
+function measure(budget = 0) {
     let group, last = null;
     return frames.map(frame => {
         if (frame.group !== last) {
             if (last) codec.neuvv_group_free(group);
-            group = openGroup(last = frame.group);
+            group = openGroup(last = frame.group, budget);
         }
-        return measureFrame(group, frame);
+        return measureFrame(group, frame, budget ? kCoarseParts : kParts);
     });
 }
 
@@ -75,3 +75,7 @@ console.log(`${stream}: ${frames.length} frames of ${native.leaves} leaves`);
 console.log(`${''.padEnd(40)}${'WebAssembly'.padStart(12)}${'program'.padStart(10)}${'ratio'.padStart(8)}  ms of one core`);
 line('bytes to slice', decode_ms, native.decode_ms);
 line('slice to what the device gets', tree_ms, native.upload_ms);
+for (const part of [2, 4]) {
+    const all = measure(Math.floor(native.leaves / part)), of = name => median(all.map(one => one[name]));
+    console.log(`budget of 1/${part} of the leaves: ${of('leaves')} leaves, ${of('decode_ms').toFixed(1)} + ${of('tree_ms').toFixed(1)} ms`);
+}

@@ -1,11 +1,17 @@
 #include "stream/codec/coarser.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
 namespace neuvv::stream {
 
 namespace {
+
+size_t leaf_cells(const std::vector<Cell>& cells) {
+    return static_cast<size_t>(
+        std::count_if(cells.begin(), cells.end(), [](const Cell& cell) { return cell.children == 0; }));
+}
 
 // The area of the leaves below each cell of a depth, in areas of the finest leaves.
 std::vector<int32_t> areas_at(const Octree& tree, size_t depth) {
@@ -17,7 +23,8 @@ std::vector<int32_t> areas_at(const Octree& tree, size_t depth) {
         for (const Cell& cell : tree.cells[d]) {
             const uint32_t children = octant_count(cell.children);
             int32_t area = children == 0 ? 1 << 2 * (finest - d) : 0;
-            if (d + 1 == finest) area += static_cast<int32_t>(children);
+            if (d + 1 == finest)
+                area += static_cast<int32_t>(children);
             else
                 for (uint32_t child = 0; child < children; ++child) area += below[cell.first + child];
             areas.push_back(area);
@@ -28,6 +35,19 @@ std::vector<int32_t> areas_at(const Octree& tree, size_t depth) {
 }
 
 }  // namespace
+
+uint32_t coarser_levels(const Octree& tree, uint32_t budget) {
+    if (budget == 0 || tree.leaf_count <= budget) return 0;
+    const auto depth = static_cast<uint32_t>(tree.cells.size()), most = std::min(kMostCoarser, depth - 1);
+    size_t leaves = 0;  // above the finest depth that is left
+    for (uint32_t d = 0; d < depth - most; ++d) leaves += leaf_cells(tree.cells[d]);
+    uint32_t levels = most;
+    for (uint32_t d = depth - most; d < depth && leaves + tree.cells[d].size() <= budget; ++d) {
+        levels = depth - d;
+        leaves += leaf_cells(tree.cells[d]);
+    }
+    return levels;
+}
 
 CoarserOctree coarser_octree(const Octree& tree, uint32_t levels) {
     assert(levels >= 1 && levels <= kMostCoarser && levels < tree.cells.size() && tree.leaf_count > 0);

@@ -21,7 +21,7 @@ static_assert(sizeof(NeuvvLeaf) == sizeof(neuvv::stream::Leaf) &&
 struct NeuvvGroupDecoder {
     neuvv::stream::Tables tables;
     neuvv::stream::Format format;
-    uint32_t coarser = 0;                               // levels
+    uint32_t budget = 0, coarser = 0;                   // leaves, 0: no limit; levels, of the frame decoded last
     std::optional<neuvv::stream::QuantisedSlice> last;  // the frame that was decoded last; none after an error
     std::vector<neuvv::stream::Leaf> last_leaves;       // that it has in the stream, where those of `last` are larger
     uint32_t last_parts = 0;
@@ -55,6 +55,7 @@ void decode_next_planes(NeuvvGroupDecoder& group, const PartBytes& bytes, uint32
         throw std::runtime_error("needs as many parts as the frame before it");
     const QuantisedSlice* before = group.last ? &*group.last : nullptr;
     const auto last = static_cast<Part>(parts - 1);
+    if (group.shape->is_key) group.coarser = coarser_levels(group.shape->tree, group.budget);
     std::vector<Leaf>& leaves = group.shape->merged.leaves;
     if (group.coarser) {
         group.last = decode_coarser(*group.shape, bytes, last, group.tables, group.format, group.coarser, before);
@@ -95,15 +96,14 @@ const QuantisedSlice* last_slice(const NeuvvGroupDecoder* decoder) {
 }  // namespace neuvv::stream
 
 NeuvvGroupDecoder* neuvv_group_new(const uint8_t* tables, size_t table_bytes, uint32_t depth, uint32_t degree,
-                                   uint32_t most_leaves, uint32_t coarser) {
+                                   uint32_t most_leaves, uint32_t budget) {
     using namespace neuvv::stream;
-    if (coarser > kMostCoarser || coarser >= depth) return nullptr;
     if (depth < 2 || depth > kMaxDepth || depth % 2 != 0 || degree > kMaxDegree || most_leaves > kMaxStreamLeaves)
         return nullptr;
     try {
         return std::make_unique<NeuvvGroupDecoder>(
                    NeuvvGroupDecoder{
-                       read_tables({tables, table_bytes}), {depth, degree, most_leaves}, coarser, {}, {}, 0, {}, {}})
+                       read_tables({tables, table_bytes}), {depth, degree, most_leaves}, budget, 0, {}, {}, 0, {}, {}})
             .release();
     } catch (const std::exception&) {
         return nullptr;
@@ -128,6 +128,10 @@ int32_t neuvv_group_decode_planes(NeuvvGroupDecoder* decoder, const uint8_t* byt
                                   const uint32_t* part_bytes, uint32_t parts) {
     return neuvv::stream::leaves_after(decoder, {bytes, byte_count}, part_bytes, parts,
                                        {neuvv::stream::decode_next_planes});
+}
+
+uint32_t neuvv_group_coarser(const NeuvvGroupDecoder* decoder) {
+    return decoder ? decoder->coarser : 0;
 }
 
 const NeuvvLeaf* neuvv_group_leaves(const NeuvvGroupDecoder* decoder) {

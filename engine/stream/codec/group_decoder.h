@@ -18,11 +18,11 @@ typedef struct {
 } NeuvvLeaf;
 
 // `tables`: those of the group, inflated. `depth`, `degree` and `most_leaves` are what the stream's head says of the
-// group. `coarser`: 0, or by how many levels the finest leaves shall be larger than the stream's, 1 or 2: there are a
-// quarter as many of them then, or a sixteenth. Null where these numbers or the tables cannot be. To be freed by
-// neuvv_group_free.
+// group. `budget`: how many leaves a frame shall have at most, 0: no limit. Where a key frame has more, the finest
+// leaves of it and of the frames behind it are twice or four times as large, which is as few as there can be. Null
+// where these numbers or the tables cannot be. To be freed by neuvv_group_free.
 NeuvvGroupDecoder* neuvv_group_new(const uint8_t* tables, size_t table_bytes, uint32_t depth, uint32_t degree,
-                                   uint32_t most_leaves, uint32_t coarser);
+                                   uint32_t most_leaves, uint32_t budget);
 void neuvv_group_free(NeuvvGroupDecoder* decoder);
 
 // Decodes the next frame of the group from its first parts, 1 to 5, which stand one after the other in `bytes`; their
@@ -38,6 +38,8 @@ int32_t neuvv_group_decode_shape(NeuvvGroupDecoder* decoder, const uint8_t* byte
 int32_t neuvv_group_decode_planes(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
                                   const uint32_t* part_bytes, uint32_t parts);
 
+// Of the last frame: by how many levels its finest leaves are larger than the stream's.
+uint32_t neuvv_group_coarser(const NeuvvGroupDecoder* decoder);
 // Of the last frame, until the next call: its leaves, and of each plane a number for each leaf. Null where there are
 // none.
 const NeuvvLeaf* neuvv_group_leaves(const NeuvvGroupDecoder* decoder);

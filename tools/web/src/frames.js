@@ -1,7 +1,7 @@
 // The frames of a stream as slice trees: fetched by ranges, decoded in workers.
 import {instantiated, loadedDecoder} from './decoder.js';
 import {FramePace} from './frame_pace.js';
-import {StreamError, crc32, headBytes, kLeastParts, kParts, readHead} from './nvs.js';
+import {StreamError, crc32, headBytes, kCoarseParts, kLeastParts, kParts, readHead} from './nvs.js';
 import {RangeSource} from './source.js';
 
 const kWorkers = Math.max(1, Math.min(4, (navigator.hardwareConcurrency ?? 2) - 1));
@@ -74,12 +74,14 @@ function expectWhole(bytes, crc) {
 }
 
 export class FrameReader {
-    #source; #inflated = new Map(); #decoders = []; #pace = null; #readsAhead = false;
+    #source; #inflated = new Map(); #decoders = []; #pace = null; #readsAhead = false; #budget = 0;
+    #mostParts = kParts;  // that are needed, where there is a budget
     fps = 0; frames = []; box = null;  // as readHead has them
 
-    /** Opens the stream at an address. Throws StreamError. */
-    static async open(url) {
+    /** Opens the stream at an address. `budget`: how many leaves a frame shall have at most; 0: no limit. Throws StreamError. */
+    static async open(url, budget = 0) {
         const reader = new FrameReader(), source = new RangeSource(url);
+        reader.#budget = budget;
         loadedDecoder().then(instantiated).then(codec => reader.#pace = new FramePace(codec, kWorkers))
             .catch(() => {});  // it is thrown where frames are asked for
         const bytes = await source.read(0, headBytes(await source.begin(), source.size));
@@ -91,10 +93,11 @@ export class FrameReader {
 
     /**
      * The slice tree of a frame, as worker.js makes it, with the box of its group and the times that decoding took; from
-     * its first `partCount` parts alone. Where the signal aborts, what has not come yet is not fetched any more, and not
+     * its first `wantedParts` parts alone. Where the signal aborts, what has not come yet is not fetched any more, and not
      * decoded. What comes after it is read ahead for `user`. Throws StreamError, or what the signal says.
      */
-    async tree(frame, partCount = kParts, signal = null, user = null) {
+    async tree(frame, wantedParts = kParts, signal = null, user = null) {
+        const partCount = Math.min(wantedParts, this.#mostParts);
         this.#decoders = this.#decoders.filter(decoder => !decoder.isBroken);
         while (this.#decoders.length < kWorkers) this.#decoders.push(new Decoder(loadedDecoder()));
         const decoder = this.#decoderFor(frame, partCount), requests = new Map();
@@ -170,6 +173,7 @@ export class FrameReader {
             decoder.last = kNothing;
             const answer = await decoder.decode({...one, wantsTree: i === frame});
             decoder.last = {frame: i, partCount};
+            this.#mostParts = answer.coarser > 0 ? kCoarseParts : kParts;
             for (const [name, value] of Object.entries(answer.times)) times[name] += value;
             if (i === frame) return {...answer.tree, times};
         }
@@ -199,7 +203,7 @@ export class FrameReader {
         }
         if (isKey !== (bytes[0] === 1)) throw new StreamError('a frame is a key frame or not, other than the head says');
         const {depth, degree, mostLeaves, boxSize} = group;
-        return {group: {key: group.tables.begin, tables, depth, degree, mostLeaves, boxSize}, bytes,
+        return {group: {key: group.tables.begin, tables, depth, degree, mostLeaves, boxSize, budget: this.#budget}, bytes,
                 sizes: all.map(part => part.bytes), partCount};
     }
 }

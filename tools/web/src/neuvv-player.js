@@ -9,7 +9,7 @@ import {Immersion} from './xr.js';
 const kMostDensity = 2;        // rays across and down of a pixel of the page
 const kStill = 300;            // milliseconds after which an image that does not change gets more rays
 const kStepTurn = 0.1;         // radians, of an arrow key
-const kProperties = ['src', 'poster', 'loop', 'autoplay', 'controls', 'muted', 'volume', 'playbackRate', 'currentTime'];
+const kProperties = ['src', 'budget', 'poster', 'loop', 'autoplay', 'controls', 'muted', 'volume', 'playbackRate', 'currentTime'];
 
 const kStyle = `
 :host { display: block; position: relative; aspect-ratio: 1; background: #181818; touch-action: pan-y; }
@@ -22,7 +22,7 @@ canvas { cursor: grab; outline-offset: -2px; }
 .problem { position: absolute; inset: 40% 10% auto; padding: .8em; text-align: center; background: #000c; color: #fff; font: 15px sans-serif; }`;
 
 export class NeuvvPlayer extends playing(HTMLElement) {
-    static observedAttributes = ['src', 'sound', 'controls', 'poster', 'muted'];
+    static observedAttributes = ['src', 'sound', 'budget', 'controls', 'poster', 'muted'];
     #canvas; #poster; #problem; #controls; #sizes; #orbit;
     #renderer = null; #opening = 0; #immersion = null; #entering = null; #frameRequest = 0; #due = true; #changed = 0;
 
@@ -46,6 +46,12 @@ export class NeuvvPlayer extends playing(HTMLElement) {
 
     get src() { return this.getAttribute('src') ?? ''; }
     set src(url) { this.setAttribute('src', url); }
+    /** How many leaves shall be shown at most; 0: no limit. */
+    get budget() {
+        const leaves = Math.floor(Number(this.getAttribute('budget')));
+        return leaves > 0 && leaves < 2 ** 32 ? leaves : 0;
+    }
+    set budget(leaves) { leaves > 0 ? this.setAttribute('budget', leaves) : this.removeAttribute('budget'); }
     get poster() { return this.getAttribute('poster') ?? ''; }
     set poster(url) { this.setAttribute('poster', url); }
     get loop() { return this.hasAttribute('loop'); }
@@ -119,6 +125,14 @@ export class NeuvvPlayer extends playing(HTMLElement) {
         if (name === 'muted') this.muted = value !== null;
         if (name === 'poster') Object.assign(this.#poster, {src: this.poster, hidden: !this.poster || this.readyState >= 2});
         if ((name === 'src' || name === 'sound') && this.isConnected) this.#begin();
+        if (name === 'budget' && this.readyState > 0) this.#goOnAnew();
+    }
+    // Where it is, with what can only be chosen when a stream is opened.
+    #goOnAnew() {
+        const {currentTime, paused} = this;
+        this.#begin();
+        this.currentTime = currentTime;
+        if (!paused && !this.autoplay) this.play().catch(() => {});  // the event `error` says it
     }
 
     async #begin() {
@@ -131,7 +145,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
             this.#renderer ??= new Renderer(this.#canvas, walk);
             this.#sizes.observe(this.#canvas);
             if (!this.#immersion) this.#schedule();
-            await this.open(new URL(this.src, document.baseURI), this.#soundUrl());
+            await this.open(new URL(this.src, document.baseURI), this.#soundUrl(), this.budget);
             if (opening === this.#opening && this.readyState > 0 && this.autoplay) this.play().catch(() => {});  // the event `error` says it
         } catch (error) {
             if (opening === this.#opening) this.fail(error);

@@ -117,13 +117,16 @@ export const playing = Base => class extends Base {
         this.currentTime = (this.#frameOf(this.#time) + frames + 0.5) / this.#reader.fps;
     }
 
-    /** Opens the stream at an address, and ends the one before. `soundUrl`: of what is heard with it, or null. */
-    async open(url, soundUrl) {
+    /**
+     * Opens the stream at an address, and ends the one before. `soundUrl`: of what is heard with it, or null. `budget`:
+     * how many leaves shall be shown at most; 0: no limit.
+     */
+    async open(url, soundUrl, budget = 0) {
         if (this.#reader) this.close();
         const opening = ++this.#opening;
         this.#isOpening = true;
         try {
-            const {reader, letGo} = await openShared(url);
+            const {reader, letGo} = await openShared(url, budget);
             if (opening !== this.#opening) return letGo();
             this.#reader = reader;
             this.#queue = new FrameQueue(reader);

@@ -1,9 +1,9 @@
 // Decodes frames of one group after the other, and makes slice trees of them, in a worker.
 //   first: {module}, decoder.wasm as it is compiled
-//   in:  {id, group: {key, tables, depth, degree, mostLeaves, boxSize}, bytes, sizes, partCount, wantsTree}; tables: null where those of
+//   in:  {id, group: {key, tables, depth, degree, mostLeaves, boxSize, budget}, bytes, sizes, partCount, wantsTree}; tables: null where those of
 //       the last group go on
-//   out: {id, tree, times: {shapes, shapes_s, planeBytes, planes_s, tree_s}} or {id, error}; the tree's arrays are
-//        whole rows of textures
+//   out: {id, tree, coarser, times: {shapes, shapes_s, planeBytes, planes_s, tree_s}} or {id, error}; the tree's arrays are
+//        whole rows of textures; coarser: by how many levels its finest leaves are larger than the stream's
 import {copied, instantiated, textAt} from './decoder.js';
 import {kWidth} from './slice_tree.js';
 
@@ -14,7 +14,7 @@ function enter(wanted) {
     if (group) codec.neuvv_group_free(group);
     group = groupKey = null;
     const tables = copied(codec, wanted.tables);
-    group = codec.neuvv_group_new(tables, wanted.tables.length, wanted.depth, wanted.degree, wanted.mostLeaves);
+    group = codec.neuvv_group_new(tables, wanted.tables.length, wanted.depth, wanted.degree, wanted.mostLeaves, wanted.budget);
     codec.free(tables);
     if (!group) throw new Error('the tables of the stream are damaged');
     groupKey = wanted.key;
@@ -67,7 +67,7 @@ self.onmessage = async ({data}) => {
         const times = decode(data), begin = performance.now();
         const tree = data.wantsTree ? sliceTree(data) : null;
         times.tree_s = (performance.now() - begin) / 1000;
-        self.postMessage({id: data.id, tree, times}, tree ? [tree.nodes.buffer, tree.entries.buffer, tree.links.buffer] : []);
+        self.postMessage({id: data.id, tree, coarser: codec.neuvv_group_coarser(group), times}, tree ? [tree.nodes.buffer, tree.entries.buffer, tree.links.buffer] : []);
     } catch (error) {
         self.postMessage({id: data.id, error: String(error.message ?? error)});  // WebAssembly's have no message
     }

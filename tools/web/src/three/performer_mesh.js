@@ -39,17 +39,17 @@ export class PerformerMesh extends Mesh {
 
     /**
      * `sound`: the address of what is heard. `isLit`: the scene's lights shine on it, as if it faced all of them; ambient light
-     * of the intensity π leaves its colours as they were filmed.
+     * of the intensity π leaves its colours as they were filmed. `budget`: how many leaves it shall have at most.
      */
-    constructor({url, sound = null, loop = true, isLit = false} = {}) {
+    constructor({url, sound = null, loop = true, isLit = false, budget = 0} = {}) {
         if (!url) throw new TypeError('PerformerMesh needs the option `url`, the address of a .nvs');
         super(new BufferGeometry(), []);
-        this.#options = {url, sound, loop, isLit};
+        this.#options = {url, sound, loop, isLit, budget};
         this.media.loop = loop;
         this.media.addEventListener('loadedmetadata', () => this.#fit(this.media.box));
         this.media.addEventListener('error', ({message}) => console.error(`${url}: ${message}`));
         this.url = url;
-        this.#open(new URL(url, document.baseURI), sound && new URL(sound, document.baseURI), isLit);
+        this.#open();
     }
     /** Another one with a clock of its own. */
     clone(recursive) { return new this.constructor(this.#options).copy(this, recursive); }
@@ -114,7 +114,8 @@ export class PerformerMesh extends Mesh {
         this.#aim(renderer, shadowCamera, material);
     }
 
-    async #open(url, sound, isLit) {
+    async #open() {
+        const {url, sound, isLit, budget} = this.#options;
         try {
             const walk = await loadedWalk();
             if (this.#isDisposed) return;
@@ -123,7 +124,7 @@ export class PerformerMesh extends Mesh {
             this.material.visible = false;  // until a frame is there
             this.customDepthMaterial = this.#materials.depth;
             this.customDistanceMaterial = this.#materials.distance;
-            await this.media.open(url, sound);
+            await this.media.open(new URL(url, document.baseURI), sound && new URL(sound, document.baseURI), budget);
         } catch (error) {
             this.media.fail(error);
         }
