@@ -57,6 +57,7 @@ neuvv_test(stream_test HOSTILE
     stream/rans_test.cpp
     stream/transform_test.cpp
     stream/frame_codec_test.cpp
+    stream/group_decoder_test.cpp
     stream/transfer_watch_test.cpp
     stream/nvs_test.cpp
     stream/http_test.cpp

@@ -3,6 +3,7 @@ import {FrameReader} from '/frames.js';
 import {pixels, psnr} from '/test/images.js';
 import {lookAt, multiply, perspective} from '/matrices.js';
 import {useControls} from './controls.js';
+import {kBeginnings, kLeastParts, kParts} from '/nvs.js';
 import {Renderer} from '/renderer.js';
 
 const results = {};
@@ -21,9 +22,9 @@ async function compareViews({stream, width, height, angle, views}) {
     const canvas = Object.assign(document.createElement('canvas'), {width, height});
     const renderer = new Renderer(canvas, await (await fetch('/performer.frag')).text());
     const url = new URL(stream, location.href), reader = await FrameReader.open(url);
-    const compared = async (from, {frame, eye, target, image}) => {
+    const compared = async (from, {frame, eye, target, image}, partCount = kParts) => {
         const begin = performance.now();
-        const tree = await from.tree(frame), decoded_ms = performance.now() - begin;
+        const tree = await from.tree(frame, partCount), decoded_ms = performance.now() - begin;
         renderer.show(tree);
         const clipFromTree = multiply(perspective(angle, width / height, 0.01), lookAt(eye, target)), white = [1, 1, 1, 1];
         const draw = () => {
@@ -46,6 +47,8 @@ async function compareViews({stream, width, height, angle, views}) {
     for (const view of views) all.push(await compared(reader, view));
     results.views = all.map(({view}) => view);
     results.other_view_db = psnr(all[0].shown, all[1].wanted);
+    results.first = (await compared(reader, views[0], kBeginnings)).view;
+    results.coarse = (await compared(reader, views[0], kLeastParts)).view;
     reader.end();
     const small = await FrameReader.open(url, 1);
     results.small = (await compared(small, views[0])).view;
@@ -54,8 +57,9 @@ async function compareViews({stream, width, height, angle, views}) {
 }
 
 const event = (player, name) => new Promise(resolve => player.addEventListener(name, resolve, {once: true}));
+const later = milliseconds => new Promise(resolve => setTimeout(resolve, milliseconds));
 async function until(done) {
-    while (!done()) await new Promise(resolve => setTimeout(resolve, 20));
+    while (!done()) await later(20);
 }
 
 // How long sound and frames, of a stream of some seconds, take to come within 40 ms and to stay there for 20 images, seconds.
@@ -136,8 +140,10 @@ async function useElement(stream) {
         player.src = url;
         return (await failed).message;
     };
-    const {buffered} = player;
-    results.element = {duration: whole, stepped, atEnd, problems: {}, fetched_s: buffered.length ? buffered.end(buffered.length - 1) - buffered.start(0) : 0};
+    results.element = {duration: whole, stepped, atEnd, problems: {}};
+    const fetched_s = () => player.buffered.length === 1 ? player.buffered.end(0) - player.buffered.start(0) : 0;
+    for (const since = performance.now(); fetched_s() < whole && performance.now() < since + 10000;) await later(20);
+    results.element.fetched_s = fetched_s();
     player.loop = true;
     await hear(player, sounds);
     player.loop = false;

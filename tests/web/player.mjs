@@ -8,7 +8,7 @@ import path from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {resultsOf} from './browser.mjs';
 
-const kAngle = 0.6, kLeast_db = 45, kLeastSmall_db = 20;
+const kAngle = 0.6, kLeast_db = 45, kLeastSmall_db = 20, kMostFirst_bytes = 120e3;
 const [neuvv, built, stream, given, size = '320x240'] = process.argv.slice(2);
 const folder = given ?? fs.mkdtempSync(path.join(os.tmpdir(), 'neuvv-web-'));
 fs.mkdirSync(folder, {recursive: true});
@@ -69,21 +69,24 @@ const roots = [['/test/', here], ['/views/', folder], ['/', built]];
 const {results, missing} = await resultsOf({page: '/test/player.html', roots, sent: kSent});
 
 const wrong = [];
+const savePng = (name, png) => fs.writeFileSync(path.join(folder, `${name}.png`), Buffer.from(png.split(',')[1], 'base64'));
 const expect = (condition, text) => condition || wrong.push(text);
 expect(!results.problem, results.problem);
 for (const [i, view] of (results.views ?? []).entries()) {
-    fs.writeFileSync(path.join(folder, `web_${i}.png`), Buffer.from(view.png.split(',')[1], 'base64'));
+    savePng(`web_${i}`, view.png);
     console.log(`view ${i}: ${view.psnr_db.toFixed(2)} dB; frame there after ${view.decoded_ms.toFixed(0)} ms, image ${view.image_ms.toFixed(0)} ms`);
     expect(view.psnr_db >= kLeast_db, `view ${i} has ${view.psnr_db.toFixed(2)} dB`);
 }
 if (!results.problem) {
-    const {small, views: [whole]} = results;
-    fs.writeFileSync(path.join(folder, 'web_small.png'), Buffer.from(small.png.split(',')[1], 'base64'));
+    const {first, coarse, small, views: [whole]} = results;
+    for (const [name, {png}] of Object.entries({first, coarse, small})) savePng(`web_${name}`, png);
+    console.log(`view 0 as it is shown first: ${first.psnr_db.toFixed(2)} dB; by its coarse parts: ${coarse.psnr_db.toFixed(2)} dB`);
     console.log(`view 0 with as few leaves as can be: ${small.psnr_db.toFixed(2)} dB, image ${small.image_ms.toFixed(0)} ms`);
     expect(small.entries < 0.6 * whole.entries, 'a budget leaves as many leaves');
     expect(small.psnr_db > kLeastSmall_db, `with a budget, view 0 has ${small.psnr_db.toFixed(2)} dB`);
     console.log(`first frame of the element: ${results.first_ms.toFixed(0)} ms, ${Math.round(results.first_bytes / 1000)} KB of the stream`);
     expect(results.first_bytes > 0, 'no bytes were counted');
+    expect(results.first_bytes <= kMostFirst_bytes, `${results.first_bytes} bytes are fetched for the first picture`);
     const kProblems = {'/missing.nvs': '404', '/empty.nvs': 'is empty', '/page.nvs': 'a web page', '/damaged.nvs': 'is damaged',
                        '/elsewhere.nvs': 'is damaged', '/short.nvs': 'ends early', '/whole/stream.nvs': 'ranges'};
     expect(results.views.length === 6 && results.frames === frames, 'views or frames are missing');

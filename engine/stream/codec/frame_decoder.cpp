@@ -42,20 +42,19 @@ namespace {
 // The planes of a frame that is being decoded, of the leaves of a tree: the frame's or a coarser one.
 class PlanesReader {
   public:
-    PlanesReader(const FrameShape& shape, const Octree& tree, const PartBytes& bytes, Part last, const Tables& tables,
+    PlanesReader(const FrameShape& shape, const Octree& tree, const PlaneStreams& streams, const Tables& tables,
                  const Format& format, const InParts& in_parts)
         : shape_(shape),
           tree_(tree),
+          streams_(streams),
           tables_(tables),
           depth_(format.depth),
           planes_(planes_of(format.degree)),
-          last_(last),
           in_parts_(in_parts),
-          coarse_(planes_),
-          fine_(planes_),
           decoded_(planes_) {
-        for (const Part part : {kCoarse, kShCoarse, kFine, kShFine})
-            if (part <= last_) find_streams(part, bytes[part]);
+        for (const auto* all : {&streams.coarse, &streams.fine})
+            for (const auto& stream : *all)
+                if (tree_.leaf_count == 0 && !stream.empty()) throw std::runtime_error("has planes without leaves");
     }
 
     // Of the leaves that are not repeated. `areas` are those of a coarser tree.
@@ -69,18 +68,6 @@ class PlanesReader {
     }
 
   private:
-    void find_streams(Part part, std::span<const uint8_t> bytes) {
-        const auto [first, end] = planes_of_part(part, planes_);
-        ByteReader reader(bytes);
-        std::vector<uint64_t> lengths;
-        for (uint32_t plane = first; plane < end; ++plane) lengths.push_back(reader.number(4));
-        auto& streams = part == kCoarse || part == kShCoarse ? coarse_ : fine_;
-        for (uint32_t plane = first; plane < end; ++plane) streams[plane] = reader.take(lengths[plane - first]);
-        reader.expect_end();
-        for (const uint64_t length : lengths)
-            if (tree_.leaf_count == 0 && length > 0) throw std::runtime_error("has planes without leaves");
-    }
-
     // The planes of colours do not need each other: those of the mean, then those of harmonics.
     void decode_colours(const Pairs& pairs) {
         in_parts_(planes_ - kFirstColourPlane, kPlanesOfMean - kFirstColourPlane, [&](size_t begin, size_t end) {
@@ -106,48 +93,65 @@ class PlanesReader {
         const bool is_mean = first < kPlanesOfMean;
         const auto readers_of = [&](const auto& streams, Part part) {
             std::vector<SymbolReader> readers;
-            for (uint32_t plane = first; part <= last_ && plane < first + count; ++plane)
+            for (uint32_t plane = first; part <= streams_.last && plane < first + count; ++plane)
                 readers.emplace_back(streams[plane], tables_);
             return readers;
         };
-        std::vector<SymbolReader> coarse = readers_of(coarse_, is_mean ? kCoarse : kShCoarse);
-        std::vector<SymbolReader> fine = readers_of(fine_, is_mean ? kFine : kShFine);
+        std::vector<SymbolReader> coarse = readers_of(streams_.coarse, is_mean ? kCoarse : kShCoarse);
+        std::vector<SymbolReader> fine = readers_of(streams_.fine, is_mean ? kFine : kShFine);
         if (coarse.empty() && fine.empty()) {  // all coefficients are 0
             for (const PlaneOfTree& plane : own)
                 std::fill(plane.leaves.begin(), plane.leaves.end(), rounded_value(plane.root, plane.number));
             return;
         }
         code_planes<SymbolReader>(coarse, fine, tree_, pairs, depth_, own);
-        const bool reads_all = tree_.cells.size() + 1 >= depth_;  // all of the coarse streams at least
+        const bool reads_all = tree_.cells.size() + 1 >= depth_;  // of the streams that there are
         for (const auto* readers : {&coarse, &fine})
             for (const SymbolReader& reader : *readers)
-                if (reads_all && !reader.ends_well()) throw std::runtime_error("has a damaged plane");
+                if (reads_all && !reader.ends_well() && !(streams_.may_end_early && reader.is_over()))
+                    throw std::runtime_error("has a damaged plane");
     }
 
     const FrameShape& shape_;
     const Octree& tree_;
+    const PlaneStreams& streams_;
     const Tables& tables_;
     uint32_t depth_, planes_;
-    Part last_;
     const InParts& in_parts_;
-    std::vector<std::span<const uint8_t>> coarse_, fine_;  // by plane; empty where the part is not there
     Planes decoded_;
 };
 
 }  // namespace
 
-Planes decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
-                     const Format& format, const QuantisedSlice* before, const InParts& in_parts) {
-    return merge_planes(shape.merged, before ? &before->planes : nullptr,
-                        PlanesReader(shape, shape.tree, bytes, last, tables, format, in_parts).read());
+PlaneStreams plane_streams(const PartBytes& bytes, Part last, const Format& format) {
+    const uint32_t planes = planes_of(format.degree);
+    using Streams = std::vector<std::span<const uint8_t>>;
+    PlaneStreams all{last, Streams(planes), Streams(planes)};
+    for (const Part part : {kCoarse, kShCoarse, kFine, kShFine}) {
+        if (part > last) break;
+        const auto [first, end] = planes_of_part(part, planes);
+        ByteReader reader(bytes[part]);
+        std::vector<uint64_t> lengths;
+        for (uint32_t plane = first; plane < end; ++plane) lengths.push_back(reader.number(4));
+        Streams& streams = part == kCoarse || part == kShCoarse ? all.coarse : all.fine;
+        for (uint32_t plane = first; plane < end; ++plane) streams[plane] = reader.take(lengths[plane - first]);
+        reader.expect_end();
+    }
+    return all;
 }
 
-QuantisedSlice decode_coarser(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
-                              const Format& format, uint32_t levels, const QuantisedSlice* before) {
+Planes decode_planes(const FrameShape& shape, const PlaneStreams& streams, const Tables& tables, const Format& format,
+                     const QuantisedSlice* before, const InParts& in_parts) {
+    return merge_planes(shape.merged, before ? &before->planes : nullptr,
+                        PlanesReader(shape, shape.tree, streams, tables, format, in_parts).read());
+}
+
+QuantisedSlice decode_coarser(const FrameShape& shape, PlaneStreams streams, const Tables& tables, const Format& format,
+                              uint32_t levels, const QuantisedSlice* before) {
+    streams.last = std::min(streams.last, kShCoarse);
     CoarserOctree own;
     if (shape.tree.leaf_count > 0) own = coarser_octree(shape.tree, levels);
-    Planes planes =
-        PlanesReader(shape, own.tree, bytes, std::min(last, kShCoarse), tables, format, in_one_part).read(own.areas);
+    Planes planes = PlanesReader(shape, own.tree, streams, tables, format, in_one_part).read(own.areas);
     std::vector<int16_t>& opacity = planes[kOpacityPlane];
     for (size_t i = 0; i < opacity.size(); ++i) opacity[i] = opacity_of_coarser(opacity[i], own.areas[i], levels);
     std::vector<Leaf> own_leaves = leaves_of(own.tree, format.depth - levels);
@@ -165,7 +169,7 @@ QuantisedSlice decode(const FrameBytes& frame, Part last, const Tables& tables, 
     FrameShape shape = decode_shape(frame.parts[kShape], tables, format, before ? &before->leaves : nullptr);
     PartBytes bytes;
     for (uint32_t part = 0; part <= last; ++part) bytes[part] = frame.parts[part];
-    Planes planes = decode_planes(shape, bytes, last, tables, format, before);
+    Planes planes = decode_planes(shape, plane_streams(bytes, last, format), tables, format, before);
     return {format.depth, format.degree, std::move(shape.merged.leaves), std::move(planes)};
 }
 

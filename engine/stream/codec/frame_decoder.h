@@ -37,16 +37,25 @@ FrameShape decode_shape(std::span<const uint8_t> bytes, const Tables& tables, co
 // The bytes of the parts that there are, from kShape on. That one's are not read.
 using PartBytes = std::array<std::span<const uint8_t>, kParts>;
 
-// The planes of all leaves, from the parts after kShape up to `last`. `before` is the frame before, decoded from as
-// many parts; it is not read where the frame repeats nothing of it. Planes of colours are decoded `in_parts`.
-Planes decode_planes(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
-                     const Format& format, const QuantisedSlice* before, const InParts& in_parts = in_one_part);
+// The streams of planes as far as they are there, up to those of the part `last`.
+struct PlaneStreams {
+    Part last = kShape;
+    std::vector<std::span<const uint8_t>> coarse, fine;  // by plane
+    bool may_end_early = false;                          // all coefficients behind are 0
+};
+// Those of the parts after kShape up to `last`. Throws std::runtime_error where the bytes are no parts.
+PlaneStreams plane_streams(const PartBytes& bytes, Part last, const Format& format);
+
+// The planes of all leaves. `before` is the frame before, decoded from as many parts; it is not read where the frame
+// repeats nothing of it. Planes of colours are decoded `in_parts`.
+Planes decode_planes(const FrameShape& shape, const PlaneStreams& streams, const Tables& tables, const Format& format,
+                     const QuantisedSlice* before, const InParts& in_parts = in_one_part);
 
 // The same with larger leaves, of which there are fewer: those of the finest `levels` depths become one with their
 // siblings. They get what the parts up to kShCoarse say; others are not read. `levels`: 1 to kMostCoarser, less than
 // the format's depth. `before` is the frame before with as large leaves.
-QuantisedSlice decode_coarser(const FrameShape& shape, const PartBytes& bytes, Part last, const Tables& tables,
-                              const Format& format, uint32_t levels, const QuantisedSlice* before);
+QuantisedSlice decode_coarser(const FrameShape& shape, PlaneStreams streams, const Tables& tables, const Format& format,
+                              uint32_t levels, const QuantisedSlice* before);
 
 // Both steps, from the bytes of all parts one after the other.
 QuantisedSlice decode(const FrameBytes& frame, Part last, const Tables& tables, const Format& format,

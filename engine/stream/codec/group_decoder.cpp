@@ -49,23 +49,35 @@ void decode_next_shape(NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_
     group.shape = decode_shape(bytes[kShape], group.tables, group.format, before);
 }
 
+void decode_streams(NeuvvGroupDecoder& group, const PlaneStreams& streams) {
+    const QuantisedSlice* before = group.last ? &*group.last : nullptr;
+    if (group.shape->is_key) group.coarser = coarser_levels(group.shape->tree, group.budget);
+    std::vector<Leaf>& leaves = group.shape->merged.leaves;
+    if (group.coarser) {
+        group.last = decode_coarser(*group.shape, streams, group.tables, group.format, group.coarser, before);
+        group.last_leaves = std::move(leaves);
+    } else {
+        Planes planes = decode_planes(*group.shape, streams, group.tables, group.format, before);
+        group.last = {group.format.depth, group.format.degree, std::move(leaves), std::move(planes)};
+    }
+    group.shape.reset();
+}
+
 void decode_next_planes(NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t parts) {
     if (!group.shape) throw std::runtime_error("has no shape yet");
     if (!group.shape->is_key && parts != group.last_parts)
         throw std::runtime_error("needs as many parts as the frame before it");
-    const QuantisedSlice* before = group.last ? &*group.last : nullptr;
-    const auto last = static_cast<Part>(parts - 1);
-    if (group.shape->is_key) group.coarser = coarser_levels(group.shape->tree, group.budget);
-    std::vector<Leaf>& leaves = group.shape->merged.leaves;
-    if (group.coarser) {
-        group.last = decode_coarser(*group.shape, bytes, last, group.tables, group.format, group.coarser, before);
-        group.last_leaves = std::move(leaves);
-    } else {
-        Planes planes = decode_planes(*group.shape, bytes, last, group.tables, group.format, before);
-        group.last = {group.format.depth, group.format.degree, std::move(leaves), std::move(planes)};
-    }
+    decode_streams(group, plane_streams(bytes, static_cast<Part>(parts - 1), group.format));
     group.last_parts = parts;
-    group.shape.reset();
+}
+
+// `bytes` has what is there of the coarse part.
+void decode_beginnings(NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t) {
+    if (!group.shape || !group.shape->is_key) throw std::runtime_error("is no key frame, or has no shape yet");
+    PlaneStreams streams = plane_streams(bytes, kCoarse, group.format);
+    streams.may_end_early = true;
+    decode_streams(group, streams);
+    group.last_parts = 0;  // nothing can repeat them
 }
 
 using Step = void(NeuvvGroupDecoder& group, const PartBytes& bytes, uint32_t parts);
@@ -132,6 +144,12 @@ int32_t neuvv_group_decode_planes(NeuvvGroupDecoder* decoder, const uint8_t* byt
 
 uint32_t neuvv_group_coarser(const NeuvvGroupDecoder* decoder) {
     return decoder ? decoder->coarser : 0;
+}
+
+int32_t neuvv_group_decode_beginnings(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
+                                      const uint32_t* part_bytes) {
+    using namespace neuvv::stream;
+    return leaves_after(decoder, {bytes, byte_count}, part_bytes, 2, {decode_beginnings});
 }
 
 const NeuvvLeaf* neuvv_group_leaves(const NeuvvGroupDecoder* decoder) {

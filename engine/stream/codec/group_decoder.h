@@ -38,6 +38,12 @@ int32_t neuvv_group_decode_shape(NeuvvGroupDecoder* decoder, const uint8_t* byte
 int32_t neuvv_group_decode_planes(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
                                   const uint32_t* part_bytes, uint32_t parts);
 
+// The second step from the beginnings of the coarse streams of a key frame, for a first picture from few bytes. `bytes`
+// has two parts, the second one with lengths of the streams that say how much of each is there. No other frame can
+// repeat leaves of this one.
+int32_t neuvv_group_decode_beginnings(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
+                                      const uint32_t* part_bytes);
+
 // Of the last frame: by how many levels its finest leaves are larger than the stream's.
 uint32_t neuvv_group_coarser(const NeuvvGroupDecoder* decoder);
 // Of the last frame, until the next call: its leaves, and of each plane a number for each leaf. Null where there are

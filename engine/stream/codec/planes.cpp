@@ -212,7 +212,8 @@ class Walk {
         uint32_t any = 0;
         if constexpr (Coder::kWrites)
             for (uint32_t k = 0; k < splits.count; ++k) any |= plane.given.numbers[divided_][splits.pair[k]] != 0;
-        return coder.take_either(kAnyTables + plane.first_table + activity_context(activity), any);
+        any = coder.take_either(kAnyTables + plane.first_table + activity_context(activity), any);
+        return coder.is_over() ? 0 : any;
     }
 
     // Codes numbers of which some are not 0, and returns the values that they make. `activities` begins with that of
@@ -228,6 +229,7 @@ class Walk {
             code_numbers(coder, plane.first_table, splits, numbers, activities);
             coders_[p] = coder;
         }
+        if (coders_[p].is_over()) numbers = {};
         return values_of(value, numbers, plane.given.step, cell_pairs_);
     }
 
@@ -241,7 +243,7 @@ class Walk {
             seen |= number;
             activities[k + 1] = activity;
         }
-        if (seen == 0) throw std::runtime_error("has a cell of which all coefficients are 0");
+        if (seen == 0 && !coder.is_over()) throw std::runtime_error("has a cell of which all coefficients are 0");
     }
 
     const Octree& tree_;

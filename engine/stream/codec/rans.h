@@ -91,6 +91,8 @@ class Decoder {
     }
     // Whether exactly the bytes were needed for what was taken, as it must be at the end.
     bool ends_well() const { return next_ == bytes_.size() && state_ == kFirstState; }
+    // Whether the last symbol, or an earlier one, needed more bytes than there are: those behind it are not known.
+    bool is_over() const { return next_ > bytes_.size(); }
     static constexpr uint32_t kFirstState = 1u << 16;
 
   private:

@@ -48,6 +48,7 @@ class SymbolWriter {
         symbols_.push_back(kBits | bits << 8 | value);
         return value;
     }
+    bool is_over() const { return false; }
     void count(Counts& counts) const;
     std::vector<uint8_t> bytes(const Tables& tables) const;
 
@@ -65,6 +66,7 @@ class SymbolReader {
     uint32_t take_either(uint32_t table, uint32_t) { return decoder_.take_either(tables_[table]); }
     uint32_t take_bits(uint32_t bits, uint32_t) { return decoder_.take_bits(bits); }
     bool ends_well() const { return decoder_.ends_well(); }
+    bool is_over() const { return decoder_.is_over(); }
 
   private:
     Decoder decoder_;

@@ -227,7 +227,8 @@ std::shared_ptr<const QuantisedSlice> Reader::slice_of(FrameInProgress& begun, D
         const InParts in_parts = std::thread::hardware_concurrency() > 2 ? InParts(parallel_for) : in_one_part;
         const Format& format = index_.groups[begun.group].format;
         FrameShape& shape = *begun.shape;
-        Planes planes = decode_planes(shape, parts, begun.last, tables, format, before.get(), in_parts);
+        Planes planes =
+            decode_planes(shape, plane_streams(parts, begun.last, format), tables, format, before.get(), in_parts);
         const bool may_be_repeated = begun.frame + 1 < index_.frames.size() && !index_.frames[begun.frame + 1].is_key;
         auto slice =
             std::make_shared<QuantisedSlice>(QuantisedSlice{format.depth, format.degree, {}, std::move(planes)});

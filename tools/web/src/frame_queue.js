@@ -1,6 +1,6 @@
 // Which frames of a stream a player asks for: those that are due as far as they come in time. What is not wanted any more
 // is not fetched and not decoded.
-import {kLeastParts, kParts} from './nvs.js';
+import {kBeginnings, kParts} from './nvs.js';
 
 const kAhead = 4, kMostAhead = 6;  // frames that are asked for before they are due; at most, where they take long to come
 const kStands_ms = 250;            // what is shown for longer is read as a whole: it may stand still for some time yet
@@ -37,7 +37,7 @@ export class FrameQueue {
             if (i > 0 && (seeks || this.shown < 0)) break;
             if (this.#asked.has(frame) || (frame === this.shown && (this.#shown.partCount === kParts || !stands))) continue;
             if (i < lead && !stands) continue;  // its time would be over before it is there
-            const partCount = this.shown < 0 ? kLeastParts : stands ? kParts : this.#reader.partsInTime(frame);
+            const partCount = this.shown < 0 ? kBeginnings : stands ? kParts : this.#reader.partsInTime(frame);
             this.#ask(frame, partCount, rate !== 0 && !stands, now_ms);
         }
     }

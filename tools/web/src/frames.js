@@ -1,12 +1,14 @@
 // The frames of a stream as slice trees: fetched by ranges, decoded in workers.
 import {instantiated, loadedDecoder} from './decoder.js';
 import {FramePace} from './frame_pace.js';
-import {StreamError, crc32, headBytes, kCoarseParts, kLeastParts, kParts, readHead} from './nvs.js';
+import {StreamError, crc32, headBytes, kBeginnings, kCoarseParts, kLeastParts, kParts, readHead} from './nvs.js';
 import {RangeSource} from './source.js';
 
 const kWorkers = Math.max(1, Math.min(4, (navigator.hardwareConcurrency ?? 2) - 1));
 const kMostTableBytes = 1 << 20;  // inflated
 const kMostTables = 8;            // groups whose tables are kept inflated
+const kFirstBytes = 48 << 10;     // of the coarse part of a frame that is shown first
+const kCoarsePlanes = 4;          // which are in that part
 const kAhead_s = 3;               // of which the bytes are fetched before they are asked for
 
 const kNothing = {frame: -1, partCount: 0};
@@ -65,7 +67,17 @@ async function inflated(bytes) {
     } catch {
         throw new StreamError('the tables of the stream are damaged');
     }
-    return new Uint8Array(await new Blob(pieces).arrayBuffer());
+    return joined(pieces);
+}
+
+function joined(all) {
+    const bytes = new Uint8Array(all.reduce((sum, one) => sum + one.length, 0));
+    let at = 0;
+    for (const one of all) {
+        bytes.set(one, at);
+        at += one.length;
+    }
+    return bytes;
 }
 
 function expectWhole(bytes, crc) {
@@ -97,7 +109,7 @@ export class FrameReader {
      * decoded. What comes after it is read ahead for `user`. Throws StreamError, or what the signal says.
      */
     async tree(frame, wantedParts = kParts, signal = null, user = null) {
-        const partCount = Math.min(wantedParts, this.#mostParts);
+        const partCount = this.#partCount(frame, wantedParts);
         this.#decoders = this.#decoders.filter(decoder => !decoder.isBroken);
         while (this.#decoders.length < kWorkers) this.#decoders.push(new Decoder(loadedDecoder()));
         const decoder = this.#decoderFor(frame, partCount), requests = new Map();
@@ -135,6 +147,12 @@ export class FrameReader {
         for (const decoder of this.#decoders) decoder.end();
     }
 
+    // Where there is little, the beginnings are not worth a second look.
+    #partCount(frame, wanted) {
+        const {isKey, parts} = this.frames[frame];
+        if (wanted === kBeginnings && !(isKey && parts[1].bytes > kFirstBytes)) return kLeastParts;
+        return Math.min(wanted, this.#mostParts);
+    }
     // Where decoding has to begin after what a decoder has decoded: with the frame after that, or with the key frame.
     #firstFor(frame, partCount, after) {
         let first = frame;
@@ -191,19 +209,27 @@ export class FrameReader {
         }
         return this.#inflated.get(group);
     }
-    async #fetched(number, partCount, signal) {
-        const {group, isKey, parts: all} = this.frames[number], parts = all.slice(0, partCount);
-        const [tables, ...read] = await Promise.all(
-            [this.#tables(group), ...parts.map(({begin, bytes}) => this.#source.read(begin, bytes, signal))]);
-        const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.bytes, 0));
-        let at = 0;
-        for (const [i, part] of parts.entries()) {
-            bytes.set(expectWhole(read[i], part.crc), at);
-            at += part.bytes;
+    // The coarse part of a frame as far as its streams shall be there: their lengths, then the same share of each.
+    async #beginnings({begin, bytes}, signal) {
+        const all = new Uint32Array((await this.#source.read(begin, 4 * kCoarsePlanes, signal)).buffer);
+        if (all.reduce((sum, length) => sum + length, 4 * kCoarsePlanes) !== bytes) throw new StreamError('a part of the stream is damaged');
+        const lengths = all.map(length => 2 * Math.ceil(length * kFirstBytes / bytes / 2)), result = [new Uint8Array(lengths.buffer)];
+        let at = begin + 4 * kCoarsePlanes;
+        for (const [plane, length] of all.entries()) {
+            result.push(this.#source.read(at, Math.min(lengths[plane], length), signal));
+            at += length;
         }
+        return joined(await Promise.all(result));
+    }
+    async #fetched(number, partCount, signal) {
+        const {group, isKey, parts} = this.frames[number];
+        const reads = parts.slice(0, partCount).map(async ({begin, bytes, crc}) => expectWhole(await this.#source.read(begin, bytes, signal), crc));
+        if (partCount === kBeginnings) reads.push(this.#beginnings(parts[1], signal));
+        const [tables, ...read] = await Promise.all([this.#tables(group), ...reads]);
+        const bytes = joined(read), sizes = read.map(one => one.length);
         if (isKey !== (bytes[0] === 1)) throw new StreamError('a frame is a key frame or not, other than the head says');
         const {depth, degree, mostLeaves, boxSize} = group;
         return {group: {key: group.tables.begin, tables, depth, degree, mostLeaves, boxSize, budget: this.#budget}, bytes,
-                sizes: all.map(part => part.bytes), partCount};
+                sizes, partCount};
     }
 }

@@ -2,7 +2,8 @@
 
 export const kParts = 5;
 export const kCoarseParts = 3;  // those that say nothing of the finest leaves
-export const kLeastParts = 2;  // of a frame that are shown: its shape, and coarse colours without harmonics
+export const kLeastParts = 2;   // of a frame that are shown: its shape, and coarse colours without harmonics
+export const kBeginnings = 1;   // the shape, and the beginnings of those: for a first picture, of a key frame
 const kHeadBytes = 32, kFrameBytes = 4 + 8 * kParts, kMostFrames = 1e6;  // those of 9 hours
 const kMostGroupFrames = 1000, kMostLeaves = 1 << 24, kMostDepth = 12, kMostDegree = 3, kLeastBox = 1e-6;  // metres
 const kGroupBytes = {2: 64, 3: 88};  // by version

@@ -2,19 +2,19 @@
 import {ByteRate} from './byte_rate.js';
 import {StreamError} from './nvs.js';
 
-const kBlock = 1 << 14, kMostKept = 4096;  // bytes; blocks
+const kBlock = 1 << 12, kMostKept = 16384;  // bytes; blocks
 // Two requests at the same time, in their order: the server is always asked for something, and what is needed later
 // slows down others little.
 const kMostRequests = 2;
 // Of what is read ahead, as much is asked for as comes in so many seconds, between so many blocks. Who waits for others
 // must wait for these first.
-const kRequestAhead_s = 0.25, kLeastOfARequest = 4, kMostOfARequest = 64;
+const kRequestAhead_s = 0.25, kLeastOfARequest = 16, kMostOfARequest = 256;
 const kTries = 4, kPatience_ms = 15000, kPause_ms = 500;
 
 const later = milliseconds => new Promise(resolve => setTimeout(resolve, milliseconds));
 const isPassing = status => status === 429 || status >= 500;
 
-/** Reads ranges of a file in blocks of 16 KiB, of which it keeps 64 MiB. A request that fails is made four times. */
+/** Reads ranges of a file in blocks of 4 KiB, of which it keeps 64 MiB. A request that fails is made four times. */
 export class RangeSource {
     #url; #blocks = new Map(); #requests = new Set(); #isCancelled = false; #rate = new ByteRate();
     #ahead = new Map();  // ranges of blocks, by whom they are for
@@ -56,7 +56,7 @@ export class RangeSource {
             if (!this.#blocks.get(block)?.isThere) return false;
         return true;
     }
-    /** The first bytes, at most 16 KiB. */
+    /** The first bytes, at most 4 KiB. */
     begin() { return this.#request(0, 0)[0].bytes; }
     cancel() {
         this.#isCancelled = true;

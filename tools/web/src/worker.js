@@ -5,6 +5,7 @@
 //   out: {id, tree, coarser, times: {shapes, shapes_s, planeBytes, planes_s, tree_s}} or {id, error}; the tree's arrays are
 //        whole rows of textures; coarser: by how many levels its finest leaves are larger than the stream's
 import {copied, instantiated, textAt} from './decoder.js';
+import {kBeginnings} from './nvs.js';
 import {kWidth} from './slice_tree.js';
 
 let ready = null, codec, group = null, groupKey = null;
@@ -29,7 +30,8 @@ function decode(request) {
         return (performance.now() - begin) / 1000;
     };
     try {
-        const shapes_s = step(codec.neuvv_group_decode_shape), planes_s = step(codec.neuvv_group_decode_planes);
+        const shapes_s = step(codec.neuvv_group_decode_shape);
+        const planes_s = step(request.partCount === kBeginnings ? codec.neuvv_group_decode_beginnings : codec.neuvv_group_decode_planes);
         return {shapes: 1, shapes_s, planes_s, planeBytes: request.bytes.length - request.sizes[0]};
     } finally {
         codec.free(bytes);
