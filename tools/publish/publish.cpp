@@ -9,10 +9,9 @@
 
 #include "base/error.h"
 #include "base/formats/json.h"
-#include "base/platform.h"
-#include "stream/transport/byte_source.h"
 #include "tools/commands.h"
 #include "tools/publish/encode_scene.h"
+#include "tools/publish/published_files.h"
 #include "tools/publish/published_scene.h"
 #include "tools/publish/web_page.h"
 #include "tools/report.h"
@@ -47,51 +46,28 @@ std::optional<std::filesystem::path> sound_to_copy(const std::filesystem::path& 
     return sound;
 }
 
-// As it is.
-void copy_sound(const std::optional<std::filesystem::path>& sound, const std::filesystem::path& output) {
-    if (!sound) return;
-    const std::filesystem::path to = voctree::sound_file(output);
-    const media::SoundFile file = voctree::sound_here(*sound);
-    const std::vector<uint8_t> bytes = file.bytes ? *file.bytes : read_file(file.path);
-    write_file_atomically(to, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
-}
-
 // Writes the stream, and its sound beside it.
 EncodedStream publish_stream(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common,
                              const std::filesystem::path& output) {
     const auto sound = sound_to_copy(scene.clip, output);
     const EncodedStream published = encode_scene(options.encoding, scene, common, output);
-    copy_sound(sound, output);
+    if (sound) copy_sound(*sound, voctree::sound_file(output));
     return published;
 }
 
-bool is_stream(const PublishedScene& scene) {
-    return voctree::kind_of(scene.clip) == voctree::ClipKind::kStream;
-}
-
-// A stream is copied as it is: nothing of it can be chosen.
-void expect_copyable(const PublishOptions& options, const std::filesystem::path& stream) {
-    if (stream::is_address(stream))
-        throw InputError(stream.string(), "", "is on a server", "download it, and its sound beside it");
-    if (!options.given_encoding.empty())
-        throw InputError(options.given_encoding, stream.string(), "is a stream, which is copied as it is",
-                         "leave the option out");
-}
-
-// With its sound.
-EncodedStream copy_stream(const std::filesystem::path& stream, const std::filesystem::path& output) {
-    std::error_code error;
-    std::filesystem::copy_file(stream, output, error);
-    if (error) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", output.string(), error.message()));
-    copy_sound(sound_to_copy(stream, output), output);
-    return {std::filesystem::file_size(output)};
-}
-
 EncodedStream publish_page(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common) {
-    if (is_stream(scene)) expect_copyable(options, scene.clip);
-    const UnfinishedWebPage page(options.web, find_web_player(), voctree::sound_beside(scene.clip).has_value());
-    const EncodedStream published = is_stream(scene) ? copy_stream(scene.clip, page.stream())
-                                                     : publish_stream(options, scene, common, page.stream());
+    const bool copied = is_stream_to_copy(scene.clip);
+    if (copied && !options.given_encoding.empty())
+        throw InputError(options.given_encoding, scene.clip.string(), "is a stream, which is copied as it is",
+                         "leave the option out");
+    const auto sound = voctree::sound_beside(scene.clip);
+    std::vector<std::string> own{kPageStream};
+    if (sound) own.push_back(voctree::sound_file(kPageStream).string());
+    const UnfinishedWebPage page("--web", options.web, find_web_player(), own);
+    const std::filesystem::path stream = page.path() / kPageStream;
+    const EncodedStream published =
+        copied ? EncodedStream{copy_stream(scene.clip, stream)} : encode_scene(options.encoding, scene, common, stream);
+    if (sound) copy_sound(*sound, voctree::sound_file(stream));
     const std::string name = scene.stage ? scene.stage->performers[scene.performer].name : "";
     page.finish(name.empty() ? scene.clip.stem().string() : name);
     return published;
@@ -154,16 +130,7 @@ void add_publish(Command app, CommonOptions& common) {
                       "A folder to write for any file server: the stream, and a page that plays it in browsers");
     result.require_options(1, 1);
     add_up_option(verb, options->up);
-    Option rate = verb.add_option("--rate", options->encoding.rate_mbps, "Mbit/s, which every group of frames keeps to")
-                      .number_between(0.01, 1e5);
-    verb.add_option("--quality", options->encoding.quality,
-                    "In place of it, PSNR in dB that images keep at least, against the clip's own, painted")
-        .number_between(10, 60)
-        .excludes(rate)
-        .show_default();
-    verb.add_option("--group", options->encoding.group_s, "Seconds of frames that are played without any before them")
-        .number_between(0.01, 60)
-        .show_default();
+    add_encoding_options(verb, options->encoding);
     verb.add_option("--views", options->encoding.views, "Images that are compared, over one orbit as the clip plays")
         .in_range(1, 100)
         .show_default();
