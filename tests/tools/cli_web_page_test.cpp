@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "base/text.h"
 #include "support/random_tree.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/run_neuvv.h"
@@ -184,6 +185,55 @@ TEST_F(CliWebPage, APlayerThatIsNotWholeIsNotPublished) {
     expect_refused_alone(publish(stream), {player.string(), "is not there", "run tools/web/build"});
     std::filesystem::remove_all(player);
     expect_refused_alone(publish(stream), {player.string(), "is not there", "run tools/web/build"});
+}
+
+struct CliOneFile : CliWebPage {
+    const std::string output = file("show.html");
+    const std::string head = R"(<html><title>NeuVV</title><p id="stream"></p><p id="sound"></p>)";
+
+    void SetUp() override {
+        CliWebPage::SetUp();
+        write_text(player / "one_file.html", head);
+    }
+    ProgramResult publish_file(const std::string& scene, const std::vector<std::string>& more = {}) const {
+        std::vector<std::string> arguments = {"publish", scene, "--web", output};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return run_program(program, arguments);
+    }
+    std::string encoded(const std::string& name) const { return base64(read_file(name)); }
+    size_t files() const {
+        return static_cast<size_t>(std::distance(std::filesystem::directory_iterator(folder.path), {}));
+    }
+};
+
+TEST_F(CliOneFile, HasStreamAndSound) {
+    write_text(sound, "sound");
+    const size_t before = files();
+    const ProgramResult run = publish_file(stream, {"--json"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(read_text(output), "<html><title>show &lt;1&gt; &amp; 2</title><p id=\"stream\">" + encoded(stream) +
+                                     "</p><p id=\"sound\">c291bmQ=</p>");
+    const auto json = nlohmann::json::parse(run.out);
+    EXPECT_EQ(json.at("page"), output);
+    EXPECT_EQ(json.at("bytes"), std::filesystem::file_size(stream));
+    EXPECT_EQ(files(), before + 1) << "what it was made of is gone";
+    expect_refusal(publish_file(stream), 2, {"--web", output, "is there already", "--overwrite"});
+    const std::string clip = file("anna.nvv");
+    voctree::write_nvv(clip, test::random_tree({.leaves = 100, .frames = 4}));
+    EXPECT_EQ(publish_file(clip, {"--rate", "1000", "--overwrite"}).code, 0);
+    EXPECT_TRUE(read_text(output).starts_with("<html><title>anna</title><p id=\"stream\">TlZTdHJlYW0")) << "NVStream";
+    EXPECT_TRUE(read_text(output).ends_with("</p><p id=\"sound\"></p>"));
+}
+
+TEST_F(CliOneFile, IsRefusedWhereItCannotBeMade) {
+    const size_t before = files();
+    write_text(player / "one_file.html", head + std::string(20'000'000, ' '));
+    expect_refusal(publish_file(stream), 2, {"--web", output, "20.0 MB", "at most 20", "--rate"});
+    write_text(player / "one_file.html", "<html><title>NeuVV</title></html>");
+    expect_refusal(publish_file(stream), 2, {player.string(), "has no stream"});
+    std::filesystem::remove(player / "one_file.html");
+    expect_refusal(publish_file(stream), 2, {player.string(), "esbuild", "tools/install-packages web"});
+    EXPECT_EQ(files(), before);
 }
 
 // A stage with two performers of one clip, of which one is painted, a stream that is shown twice, and a hidden one.

@@ -1,5 +1,4 @@
-// neuvv publish: writes a clip, or a performer of a stage, as a stream: alone, or in a folder with a page that plays
-// it.
+// neuvv publish: writes a clip, or a performer of a stage, as a stream: alone, or with a page that plays it.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -9,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/formats/json.h"
+#include "base/platform.h"
 #include "tools/commands.h"
 #include "tools/publish/encode_scene.h"
 #include "tools/publish/published_files.h"
@@ -30,9 +30,14 @@ struct PublishOptions {
     std::optional<voctree::UpAxis> up;
     EncodingOptions encoding;
     std::string given_encoding;  // one of the options of the encoding that was given
-    // Where the stream is when all is done.
+    bool is_one_file() const { return web.ends_with(".html"); }
+    // Where the stream and the page are when all is done.
     std::filesystem::path stream() const {
+        if (is_one_file()) return web;
         return web.empty() ? std::filesystem::path(output) : std::filesystem::path(web) / kPageStream;
+    }
+    std::filesystem::path page() const {
+        return is_one_file() ? std::filesystem::path(web) : std::filesystem::path(web) / "index.html";
     }
 };
 
@@ -55,27 +60,55 @@ EncodedStream publish_stream(const PublishOptions& options, const PublishedScene
     return published;
 }
 
+// A folder beside the output of one file, for what goes into that.
+struct PrivateFolder {
+    const std::filesystem::path path;
+    explicit PrivateFolder(const std::filesystem::path& output) : path(make_private_folder(output.string() + ".")) {}
+    PrivateFolder(const PrivateFolder&) = delete;
+    PrivateFolder& operator=(const PrivateFolder&) = delete;
+    ~PrivateFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path, ignored);
+    }
+};
+
+// Writes the stream that a page plays, and beside it its sound.
+EncodedStream write_for_page(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common,
+                             const std::optional<std::filesystem::path>& sound, const std::filesystem::path& stream) {
+    const EncodedStream published = is_stream_to_copy(scene.clip)
+                                        ? EncodedStream{copy_stream(scene.clip, stream)}
+                                        : encode_scene(options.encoding, scene, common, stream);
+    if (sound) copy_sound(*sound, voctree::sound_file(stream));
+    return published;
+}
+
 EncodedStream publish_page(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common) {
-    const bool copied = is_stream_to_copy(scene.clip);
-    if (copied && !options.given_encoding.empty())
+    if (is_stream_to_copy(scene.clip) && !options.given_encoding.empty())
         throw InputError(options.given_encoding, scene.clip.string(), "is a stream, which is copied as it is",
                          "leave the option out");
-    const auto sound = voctree::sound_beside(scene.clip);
-    std::vector<std::string> own{kPageStream};
-    if (sound) own.push_back(voctree::sound_file(kPageStream).string());
-    const UnfinishedWebPage page("--web", options.web, find_web_player(), own);
-    const std::filesystem::path stream = page.path() / kPageStream;
-    const EncodedStream published =
-        copied ? EncodedStream{copy_stream(scene.clip, stream)} : encode_scene(options.encoding, scene, common, stream);
-    if (sound) copy_sound(*sound, voctree::sound_file(stream));
     const std::string name = scene.stage ? scene.stage->performers[scene.performer].name : "";
-    page.finish(name.empty() ? scene.clip.stem().string() : name);
+    const std::string title = name.empty() ? scene.clip.stem().string() : name;
+    const auto sound = voctree::sound_beside(scene.clip);
+    const std::filesystem::path page_sound = voctree::sound_file(kPageStream);
+    if (options.is_one_file()) {
+        const WebPlayer player = find_one_file_player();
+        prepare_result("--web", options.web);
+        const PrivateFolder folder(options.web);
+        const EncodedStream published = write_for_page(options, scene, common, sound, folder.path / kPageStream);
+        write_one_file_page(options.web, player, title, folder.path / kPageStream,
+                            sound ? std::optional(folder.path / page_sound) : std::nullopt);
+        return published;
+    }
+    std::vector<std::string> own{kPageStream};
+    if (sound) own.push_back(page_sound.string());
+    const UnfinishedWebPage page("--web", options.web, find_web_player(), own);
+    const EncodedStream published = write_for_page(options, scene, common, sound, page.path() / kPageStream);
+    page.finish(title);
     return published;
 }
 
 void report(const PublishOptions& options, const PublishedScene& scene, const EncodedStream& published) {
-    const std::string stream = options.stream().string(),
-                      page = (std::filesystem::path(options.web) / "index.html").string();
+    const std::string stream = options.stream().string(), page = options.page().string();
     const uint32_t frames = scene.index.frames();
     const double bytes_per_frame = static_cast<double>(published.bytes) / frames;
     const double mbps = 8e-6 * bytes_per_frame * double{scene.index.fps};
@@ -99,7 +132,11 @@ void report(const PublishOptions& options, const PublishedScene& scene, const En
         scene.layers.empty() ? "" : fmt::format("; visible layers of paint: {}", scene.layers.size());
     tell("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}{}\n", stream, size_text(published.bytes), frames,
          bytes_per_frame / 1000, mbps, quality, paint);
-    if (!options.web.empty()) tell("{} plays it from any file server: tools/serve {}\n", page, options.web);
+    if (options.is_one_file())
+        tell("{}: {} as one page, which browsers open from the disk, too\n", page,
+             size_text(std::filesystem::file_size(page)));
+    else if (!options.web.empty())
+        tell("{} plays it from any file server: tools/serve {}\n", page, options.web);
 }
 
 void run(const PublishOptions& options, const CommonOptions& common) {
@@ -127,7 +164,8 @@ void add_publish(Command app, CommonOptions& common) {
     Command result = verb.add_group("What is written");
     result.add_option("-o,--output", options->output, "The .nvs to write");
     result.add_option("--web", options->web,
-                      "A folder to write for any file server: the stream, and a page that plays it in browsers");
+                      "A folder to write for any file server: the stream, and a page that plays it in browsers; or a "
+                      ".html of at most 20 MB that has all of it, which browsers open from the disk, too");
     result.require_options(1, 1);
     add_up_option(verb, options->up);
     add_encoding_options(verb, options->encoding);
@@ -151,6 +189,7 @@ void add_publish(Command app, CommonOptions& common) {
          "  neuvv publish work/performer.nvv -o work/performer.nvs\n"
          "  neuvv publish work/performer.nvv -o work/phone.nvs --rate 10\n"
          "  neuvv publish work/phone.nvs --web work/web\n"
+         "  neuvv publish work/phone.nvs --web work/phone.html\n"
          "  neuvv render work/performer.nvs -o work/turn.mp4\n"
          "  neuvv info https://example.com/performer.nvs\n"
          "  neuvv stage new work/show.gltf\n"

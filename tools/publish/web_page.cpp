@@ -11,6 +11,7 @@
 #include "base/formats/json.h"
 #include "base/output_path.h"
 #include "base/platform.h"
+#include "base/text.h"
 #include "tools/html.h"
 #include "tools/results.h"
 #include "voctree/files/clip_sound.h"
@@ -26,7 +27,7 @@ constexpr const char* kPlayerWrittenBy = "tools/web/build";
 constexpr const char* kPageList = "published.json";
 constexpr const char* kPageWrittenBy = "neuvv publish";
 constexpr const char* kPage = "index.html";
-constexpr const char* kPageOfStages = "stage.html";  // in the player's folder
+constexpr const char *kPageOfStages = "stage.html", *kPageOfOneFile = "one_file.html";  // in the player's folder
 
 // Whether a name is one of a file in the folder or in a folder of it, and leads nowhere else.
 bool is_file_in(const std::filesystem::path& folder, const std::filesystem::path& name) {
@@ -36,7 +37,7 @@ bool is_file_in(const std::filesystem::path& folder, const std::filesystem::path
            std::filesystem::weakly_canonical((folder / name).parent_path(), error) == file.parent_path();
 }
 
-std::vector<std::string> files_of(const JsonNode& names, const std::filesystem::path& folder) {
+std::vector<std::string> listed_files(const JsonNode& names, const std::filesystem::path& folder) {
     expect_list(names);
     std::vector<std::string> files;
     for (size_t i = 0; i < names.value.size(); ++i) {
@@ -51,6 +52,10 @@ JsonFile read_list(const std::filesystem::path& list, const char* written_by) {
     const JsonNode root = json.root(), writer = root["written_by"];
     if (json_string(writer) != written_by) writer.fail(fmt::format("is not \"{}\"", written_by));
     return json;
+}
+
+uint64_t base64_size(uint64_t bytes) {
+    return (bytes + 2) / 3 * 4;
 }
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
@@ -84,7 +89,7 @@ std::vector<std::string> files_of_earlier_page(const std::string& option, const 
         throw InputError(option, folder.string(), "holds other files than a published page",
                          "choose an empty folder or a new one");
     expect_replaceable(option, folder);
-    return files_of(read_list(folder / kPageList, kPageWrittenBy).root()["files"], folder);
+    return listed_files(read_list(folder / kPageList, kPageWrittenBy).root()["files"], folder);
 }
 
 // The player whose page has this name. Whether the program can make a page of it is seen before any work.
@@ -94,15 +99,18 @@ WebPlayer find_player(const std::string& page_name) {
     if (!std::filesystem::exists(player.folder / kPlayerList, error))
         throw InputError(player.folder.string(), "", "the player for browsers is not there", "run tools/web/build");
     const JsonFile list = read_list(player.folder / kPlayerList, kPlayerWrittenBy);
-    player.files = files_of(list.root()["files"], player.folder);
+    player.files = listed_files(list.root()["files"], player.folder);
     if (page_name == kPageOfStages) {
         if (!list.document.contains("stage_files"))
             throw InputError(
                 player.folder.string(), "", "has no three.js, by which stages are played",
                 fmt::format("run npm install three && tools/web/build {} node_modules/three", player.folder.string()));
-        for (std::string& name : files_of(list.root()["stage_files"], player.folder))
+        for (std::string& name : listed_files(list.root()["stage_files"], player.folder))
             player.files.push_back(std::move(name));
     }
+    if (page_name == kPageOfOneFile && !std::filesystem::exists(player.folder / page_name, error))
+        throw InputError(player.folder.string(), "", "has no page of one file, which esbuild makes",
+                         "run tools/install-packages web && tools/web/build");
     if (!contains(player.files, page_name)) player.files.emplace_back(page_name);
     for (const std::string& name : player.files)
         if (!std::filesystem::is_regular_file(player.folder / name, error))
@@ -124,6 +132,32 @@ WebPlayer find_web_player() {
 
 WebPlayer find_stage_player() {
     return find_player(kPageOfStages);
+}
+
+WebPlayer find_one_file_player() {
+    return find_player(kPageOfOneFile);
+}
+
+void write_one_file_page(const std::filesystem::path& output, const WebPlayer& player, const std::string& title,
+                         const std::filesystem::path& stream, const std::optional<std::filesystem::path>& sound) {
+    std::string page = page_of(player, title, true);
+    uint64_t bytes = page.size() + base64_size(std::filesystem::file_size(stream));
+    if (sound) bytes += base64_size(std::filesystem::file_size(*sound));
+    if (bytes > kMostOneFileBytes)
+        throw InputError("--web", output.string(),
+                         fmt::format("would have {:.1f} MB; a page of one file has at most {:.0f}",
+                                     1e-6 * static_cast<double>(bytes), 1e-6 * static_cast<double>(kMostOneFileBytes)),
+                         "encode the clip with a lower --rate or --quality, or choose a folder");
+    const auto put = [&](const char* id, const std::filesystem::path& file) {
+        const std::string element = fmt::format("id=\"{}\">", id);
+        const size_t place = page.find(element);
+        if (place == std::string::npos)
+            throw InputError(player.folder.string(), "", fmt::format("its page has no {}", id), "run tools/web/build");
+        page.insert(place + element.size(), base64(read_file(file)));
+    };
+    put("stream", stream);
+    if (sound) put("sound", *sound);
+    write_text_file(output, page);
 }
 
 UnfinishedWebPage::UnfinishedWebPage(std::string option, std::filesystem::path folder, WebPlayer player,

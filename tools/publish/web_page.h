@@ -1,5 +1,5 @@
 // What `neuvv publish --web` and `neuvv export --as web` write: a folder with the player for browsers, what it plays,
-// and a page.
+// and a page; or a page alone that has all of it.
 #pragma once
 
 #include <filesystem>
@@ -27,6 +27,14 @@ struct WebPlayer {
 WebPlayer find_web_player();
 // The same with three.js, for stages.
 WebPlayer find_stage_player();
+// The same as a page alone.
+WebPlayer find_one_file_player();
+
+// Writes a page that has a stream and its sound, if it has one, in it. Throws InputError where it would have more than
+// kMostOneFileBytes: a browser reads it as a whole.
+inline constexpr uint64_t kMostOneFileBytes = 20'000'000;
+void write_one_file_page(const std::filesystem::path& output, const WebPlayer& player, const std::string& title,
+                         const std::filesystem::path& stream, const std::optional<std::filesystem::path>& sound);
 
 class UnfinishedWebPage {
   public:

@@ -1,8 +1,9 @@
 // The frames of a stream as slice trees: fetched by ranges, decoded in workers.
-import {instantiated, loadedDecoder} from './decoder.js';
+import {instantiated} from './decoder.js';
 import {FramePace} from './frame_pace.js';
+import {loadedDecoder, newWorker} from './loaded.js';
 import {StreamError, crc32, headBytes, kLeastParts, kParts, readHead} from './nvs.js';
-import {RangeSource} from './source.js';
+import {opened} from './source.js';
 
 const kWorkers = Math.max(1, Math.min(4, (navigator.hardwareConcurrency ?? 2) - 1));
 const kMostTableBytes = 1 << 20;  // inflated
@@ -13,7 +14,7 @@ const kNothing = {frame: -1, partCount: 0};
 
 /** A worker, which decodes what it is asked for in order. */
 class Decoder {
-    #worker = new Worker(new URL('worker.js', import.meta.url), {type: 'module'});
+    #worker = newWorker();
     #waiting = new Map(); #next = 0; #problem = ''; #ready; #group = null;  // whose tables it has
     last = kNothing;            // what it has decoded last
     planned = kNothing;         // what it is asked for last
@@ -77,9 +78,9 @@ export class FrameReader {
     #source; #inflated = new Map(); #decoders = []; #pace = null; #readsAhead = false;
     fps = 0; frames = []; box = null;  // as readHead has them
 
-    /** Opens the stream at an address. Throws StreamError. */
+    /** Opens the stream at an address, which may be that of a Blob. Throws StreamError. */
     static async open(url) {
-        const reader = new FrameReader(), source = new RangeSource(url);
+        const reader = new FrameReader(), source = await opened(url);
         loadedDecoder().then(instantiated).then(codec => reader.#pace = new FramePace(codec, kWorkers))
             .catch(() => {});  // it is thrown where frames are asked for
         const bytes = await source.read(0, headBytes(await source.begin(), source.size));
