@@ -30,15 +30,14 @@ function answer(request, response, name, content) {
 }
 
 /**
- * What a page posts: {results, asked, missing}; `results` has `problem` where nothing came in `most_s` seconds. `asked`: names
- * of requests that were answered, `missing`: of the others. `roots`: [prefix of names, folder]; `sent`: bytes by name, before
- * those; `answers`: functions by name, which make the answer of what is posted there; `flags`: of Chromium.
+ * A server on this machine: {address, asked, missing, close}. `asked`: names of requests that were answered, `missing`: of the
+ * others. `roots`: [prefix of names, folder]; `sent`: bytes by name, before those; `replies`: functions by name, which make the
+ * answer of what is posted there; `fail` is called with what they throw.
  */
-export async function resultsOf({page, roots, sent = {}, answers = {}, most_s = kMost_s, flags = []}) {
-    let finish, log = '';
-    const finished = new Promise(resolve => finish = resolve), asked = [], missing = [];
+export async function serving({roots, sent = {}, replies = {}, fail = () => {}}) {
+    const asked = [], missing = [];
     const server = http.createServer((request, response) => {
-        const name = new URL(request.url, 'http://x').pathname, reply = name === '/results' ? finish : answers[name];
+        const name = new URL(request.url, 'http://x').pathname, reply = replies[name];
         if (reply) {
             let body = '';
             request.on('data', part => body += part).on('end', () => {
@@ -46,7 +45,7 @@ export async function resultsOf({page, roots, sent = {}, answers = {}, most_s = 
                     response.end(reply(JSON.parse(body)));
                 } catch (error) {
                     response.writeHead(500).end();
-                    finish({problem: `${name}: ${error.message}`});
+                    fail(`${name}: ${error.message}`);
                 }
             });
             return;
@@ -56,22 +55,42 @@ export async function resultsOf({page, roots, sent = {}, answers = {}, most_s = 
         answer(request, response, name, content);
     });
     await new Promise(resolve => server.listen(0, '127.0.0.1', resolve));
+    return {address: `http://127.0.0.1:${server.address().port}`, asked, missing, close: () => server.close()};
+}
+
+/** Chromium: {browser, log, end}. `log()` is what it has said, `end()` resolves when it and its files are gone. */
+export function started(flags, pipes = []) {
     const profile = fs.mkdtempSync(path.join(os.tmpdir(), 'neuvv-chromium-'));
     const browser = spawn('chromium', ['--headless=new', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-        '--disable-dev-shm-usage', `--user-data-dir=${profile}`, '--no-first-run',
-        '--autoplay-policy=no-user-gesture-required', ...flags, `http://127.0.0.1:${server.address().port}${page}`],
-        {stdio: ['ignore', 'ignore', 'pipe'], detached: true});  // a group of its own, which is ended as a whole
+        '--disable-dev-shm-usage', `--user-data-dir=${profile}`, '--no-first-run', '--autoplay-policy=no-user-gesture-required', ...flags],
+        {stdio: ['ignore', 'ignore', 'pipe', ...pipes], detached: true});  // a group of its own, which is ended as a whole
+    let log = '';
     browser.stderr.on('data', text => log += text);
-    browser.on('exit', code => finish({problem: `chromium ended with ${code}\n${log}`}));
-    const timer = setTimeout(() => finish({problem: `nothing came in ${most_s} s\n${log}`}), 1000 * most_s);
+    const end = async () => {
+        if (browser.exitCode === null) {
+            const exited = new Promise(resolve => browser.on('exit', resolve));
+            process.kill(-browser.pid, 'SIGKILL');
+            await exited;
+        }
+        await fs.promises.rm(profile, {recursive: true, force: true, maxRetries: 20, retryDelay: 100});  // some may still write
+    };
+    return {browser, log: () => log, end};
+}
+
+/**
+ * What a page posts: {results, asked, missing}; `results` has `problem` where nothing came in `most_s` seconds. `answers`: see
+ * `replies` of serving(); `flags`: of Chromium.
+ */
+export async function resultsOf({page, roots, sent = {}, answers = {}, most_s = kMost_s, flags = []}) {
+    let finish;
+    const finished = new Promise(resolve => finish = resolve);
+    const server = await serving({roots, sent, replies: {...answers, '/results': finish}, fail: problem => finish({problem})});
+    const {browser, log, end} = started([...flags, `${server.address}${page}`]);
+    browser.on('exit', code => finish({problem: `chromium ended with ${code}\n${log()}`}));
+    const timer = setTimeout(() => finish({problem: `nothing came in ${most_s} s\n${log()}`}), 1000 * most_s);
     const results = await finished;
     clearTimeout(timer);
-    if (browser.exitCode === null) {
-        const exited = new Promise(resolve => browser.on('exit', resolve));
-        process.kill(-browser.pid, 'SIGKILL');
-        await exited;
-    }
-    await fs.promises.rm(profile, {recursive: true, force: true, maxRetries: 20, retryDelay: 100});  // some may still write
+    await end();
     server.close();
-    return {results, asked, missing: missing.filter(name => name !== '/favicon.ico')};
+    return {results, asked: server.asked, missing: server.missing.filter(name => name !== '/favicon.ico')};
 }

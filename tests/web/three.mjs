@@ -7,7 +7,7 @@ import os from 'node:os';
 import path from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {resultsOf} from './browser.mjs';
-import {folderWith} from './modules.mjs';
+import {folderWith, programWith} from './modules.mjs';
 
 const kSize = [320, 240];
 // `ring`: NeuVV shades each leaf of a stage's copies once, for the ray to its middle, and its shadows are softer.
@@ -71,8 +71,12 @@ fs.writeFileSync(path.join(folder, 'least_db.json'), JSON.stringify(kLeast_db));
 makeLoneStages();
 renderTurned();
 makeRing();
-const roots = [['/test/', here], ['/views/', folder], ['/without/stage/', path.join(folder, 'nothing')], ['/without/', built], ['/', built]];
-const {results, asked, missing} = await resultsOf({page: '/test/three.html?src=/views/ring.gltf', roots});
+// One of the stages and the player are those that NeuVV has put into a folder for browsers.
+execFileSync(programWith(neuvv, built, folder), ['export', 'lone.gltf', '--as', 'web', '-o', 'published'], {cwd: folder, stdio: 'ignore'});
+const published = path.join(folder, 'published'), read = name => fs.readFileSync(path.join(published, name));
+const sent = {'/views/lone.gltf': read('show.glb'), '/views/clip_1.nvs': read('clip_1.nvs')};
+const roots = [['/test/', here], ['/views/', folder], ['/without/stage/', path.join(folder, 'nothing')], ['/without/', built], ['/', published]];
+const {results, asked, missing} = await resultsOf({page: '/test/three.html?src=/views/ring.gltf', roots, sent});
 
 const wrong = [];
 const expect = (condition, text) => condition || wrong.push(text);

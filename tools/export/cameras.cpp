@@ -87,6 +87,7 @@ const std::vector<StageKind>& stage_kinds() {
         {"nerfstudio", {".json"}, {"--camera", "--fps", "--size", "--world"}, write_nerfstudio},
         {"instant-ngp", {".json"}, {"--camera", "--fps", "--size", "--world"}, write_ngp},
         {"stand-ins", {".glb"}, {"--most-splats", "--time", "--views", "--size"}, write_stage_with_splats},
+        {"web", {}, {"--rate", "--quality", "--group"}, write_web_stage},
     };
     return kinds;
 }

@@ -68,6 +68,7 @@ const StageKind* stage_kind_of(const ExportOptions& options) {
     const std::string ending = std::filesystem::path(options.output).extension().string();
     for (const StageKind& kind : stage_kinds()) {
         if (options.kind != kind.name) continue;
+        if (kind.endings.empty()) return &kind;
         if (std::find(kind.endings.begin(), kind.endings.end(), ending) != kind.endings.end()) return &kind;
         throw InputError("--output", options.output,
                          fmt::format("does not end with {}", fmt::join(kind.endings, " or ")),
@@ -92,15 +93,13 @@ void write_stage(const ExportOptions& options, const StageKind& kind, const Comm
                          "make one of a clip: neuvv stage new SHOW.gltf, neuvv stage add SHOW.gltf CLIP");
     if (NumberedPath::parse_output("--output", options.output))
         throw InputError("--output", options.output, "is one file without a frame's number", "leave the % out");
-    nlohmann::ordered_json more = nlohmann::ordered_json::object();
-    const std::string text = kind.write(options, common, more);
-    const uint64_t bytes = std::filesystem::file_size(options.output);
-    nlohmann::ordered_json json = {{"output", options.output}, {"files", 1}, {"bytes", bytes}};
-    json.update(more);
+    nlohmann::ordered_json json = {{"output", options.output}, {"files", 1}, {"bytes", 0}};
+    const std::string text = kind.write(options, common, json);
+    if (!kind.endings.empty()) json["bytes"] = std::filesystem::file_size(options.output);
     if (options.json)
         tell("{}", json_text(json));
     else
-        tell("{}: {}, {}\n", options.output, size_text(bytes), text);
+        tell("{}: {}, {}\n", options.output, size_text(json["bytes"].get<uint64_t>()), text);
 }
 
 // What --json prints of one clip, or of one performer; nothing where it was printed for people.
@@ -188,7 +187,12 @@ constexpr const char* kKindsHelp =
     "when.\n\n"
     "--as stand-ins: the stage as one .glb for programs that know no clips. Below each performer's node are splats of "
     "what it shows\nat --time, so that programs with KHR_gaussian_splatting show the whole stage, and others coloured "
-    "points. In this program, it is\nthe stage with its clips, as before.\n";
+    "points. In this program, it is\nthe stage with its clips, as before.\n\n"
+    "--as web: a folder for any file server, with a page that plays the stage. Clips become streams as by neuvv "
+    "publish, "
+    "with\ntheir visible paint; what is a stream is copied. The output says what browsers leave out. It takes the "
+    "player "
+    "that\n`tools/web/build build/web node_modules/three` has made, after `npm install three`.\n";
 
 void add_frame_options(const Command& verb, ExportOptions& options) {
     verb.add_option("--performer", options.performer,
@@ -249,6 +253,7 @@ void add_stage_options(const Command& verb, ExportOptions& options) {
                     "seconds")
         .number_between(0, 1e6)
         .show_default();
+    add_encoding_options(verb, options.encoding);
 }
 
 }  // namespace
@@ -266,7 +271,7 @@ void add_export(Command app, CommonOptions& common) {
             "out_%04d.ply, .glb, .usda, .obj, .npz or .vdb for a file each frame; a .glb or .usda may hold them all. "
             "Of a stage, {performer} in the name stands for each performer's own: all of them are written. Of a "
             "stage's "
-            "cameras and layout, see --as: one .usda, .glb or .json")
+            "cameras and layout, see --as: one .usda, .glb or .json; for --as web a folder")
         .required();
     verb.add_option(
             "--as", options->kind,
@@ -282,7 +287,7 @@ void add_export(Command app, CommonOptions& common) {
         "of meshes: triangles, iou, depth_mean_mm, depth_95_mm, psnr_db; of volumes: leaves, voxel_m, psnr_db; of\n"
         "PlenOctrees: leaves, psnr_db; of stand-ins: performers, a list of performer, frame, splats, and the losses of "
         "those\n"
-        "that gave the splats of this clip their shape");
+        "that gave the splats of this clip their shape; of web: page, left_out");
     verb.footer({kKindsHelp, kDeviceHelp, kExamplesHead,
                  "  neuvv export work/performer.nvv -o work/splats/frame_%04d.ply --frames 0:4\n"
                  "  neuvv export work/performer.nvv -o work/performer.glb --frames 0:4 --most-splats 20000\n"
@@ -294,7 +299,8 @@ void add_export(Command app, CommonOptions& common) {
                  "  neuvv export work/show.gltf --stage-space -o 'work/{performer}_%04d.ply' --frames 0:4\n"
                  "  neuvv export work/show.gltf --as nerfstudio -o work/camera_path.json\n"
                  "  neuvv export work/show.gltf --as layout -o work/show.usda\n"
-                 "  neuvv export work/show.gltf --as stand-ins -o work/show_splats.glb"});
+                 "  neuvv export work/show.gltf --as stand-ins -o work/show_splats.glb\n"
+                 "  neuvv export work/show.gltf --as web -o work/show_web"});
     verb.callback([options, verb, &common] { run(verb, *options, common); });
 }
 

@@ -12,6 +12,7 @@
 
 #include "interchange/mesh/clip_mesh.h"
 #include "tools/commands.h"
+#include "tools/publish/encode_scene.h"
 #include "voctree/files/plenoctree.h"
 
 namespace neuvv::tools {
@@ -29,6 +30,7 @@ struct ExportOptions {
     uint32_t views = 8;
     double time_s = 0;  // of the stage, for the kind stand-ins
     interchange::MeshSettings mesh;
+    EncodingOptions encoding;   // of streams, for the kind web
     std::optional<double> iso;  // opacity of a surface, 0 to 1
     std::optional<voctree::UpAxis> up;
     bool stage_space = false, resume = false, json = false;

@@ -205,6 +205,21 @@ EncodedStream SceneEncoder::encode() {
 
 }  // namespace
 
+void add_encoding_options(Command verb, EncodingOptions& options) {
+    Option rate =
+        verb.add_option("--rate", options.rate_mbps, "Of a stream: Mbit/s, which every group of frames keeps to")
+            .number_between(0.01, 1e5);
+    verb.add_option("--quality", options.quality,
+                    "In place of it, PSNR in dB that images keep at least, against the clip's own, painted")
+        .number_between(10, 60)
+        .excludes(rate)
+        .show_default();
+    verb.add_option("--group", options.group_s,
+                    "Of a stream: seconds of frames that are played without any before them")
+        .number_between(0.01, 60)
+        .show_default();
+}
+
 EncodedStream encode_scene(const EncodingOptions& options, const PublishedScene& scene, const CommonOptions& common,
                            const std::filesystem::path& output) {
     return SceneEncoder(options, scene, common, output).encode();

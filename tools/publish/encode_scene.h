@@ -18,6 +18,9 @@ struct EncodingOptions {
     std::string size = "480x270";  // of the views
 };
 
+// --rate, --quality and --group.
+void add_encoding_options(Command verb, EncodingOptions& options);
+
 struct EncodedStream {
     uint64_t bytes = 0;
     std::optional<double> psnr{};  // of the worst compared image, where a quality was asked for

@@ -1,5 +1,4 @@
-// neuvv publish: writes a clip, or a performer of a stage, as a stream: alone, or in a folder with a page that plays
-// it.
+// neuvv publish: writes a clip, or a performer of a stage, as a stream: alone, or with a page that plays it.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -10,9 +9,9 @@
 #include "base/error.h"
 #include "base/formats/json.h"
 #include "base/platform.h"
-#include "stream/transport/byte_source.h"
 #include "tools/commands.h"
 #include "tools/publish/encode_scene.h"
+#include "tools/publish/published_files.h"
 #include "tools/publish/published_scene.h"
 #include "tools/publish/web_page.h"
 #include "tools/report.h"
@@ -31,9 +30,14 @@ struct PublishOptions {
     std::optional<voctree::UpAxis> up;
     EncodingOptions encoding;
     std::string given_encoding;  // one of the options of the encoding that was given
-    // Where the stream is when all is done.
+    bool is_one_file() const { return web.ends_with(".html"); }
+    // Where the stream and the page are when all is done.
     std::filesystem::path stream() const {
+        if (is_one_file()) return web;
         return web.empty() ? std::filesystem::path(output) : std::filesystem::path(web) / kPageStream;
+    }
+    std::filesystem::path page() const {
+        return is_one_file() ? std::filesystem::path(web) : std::filesystem::path(web) / "index.html";
     }
 };
 
@@ -47,59 +51,64 @@ std::optional<std::filesystem::path> sound_to_copy(const std::filesystem::path& 
     return sound;
 }
 
-// As it is.
-void copy_sound(const std::optional<std::filesystem::path>& sound, const std::filesystem::path& output) {
-    if (!sound) return;
-    const std::filesystem::path to = voctree::sound_file(output);
-    const media::SoundFile file = voctree::sound_here(*sound);
-    const std::vector<uint8_t> bytes = file.bytes ? *file.bytes : read_file(file.path);
-    write_file_atomically(to, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
-}
-
 // Writes the stream, and its sound beside it.
 EncodedStream publish_stream(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common,
                              const std::filesystem::path& output) {
     const auto sound = sound_to_copy(scene.clip, output);
     const EncodedStream published = encode_scene(options.encoding, scene, common, output);
-    copy_sound(sound, output);
+    if (sound) copy_sound(*sound, voctree::sound_file(output));
     return published;
 }
 
-bool is_stream(const PublishedScene& scene) {
-    return voctree::kind_of(scene.clip) == voctree::ClipKind::kStream;
-}
+// A folder beside the output of one file, for what goes into that.
+struct PrivateFolder {
+    const std::filesystem::path path;
+    explicit PrivateFolder(const std::filesystem::path& output) : path(make_private_folder(output.string() + ".")) {}
+    PrivateFolder(const PrivateFolder&) = delete;
+    PrivateFolder& operator=(const PrivateFolder&) = delete;
+    ~PrivateFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path, ignored);
+    }
+};
 
-// A stream is copied as it is: nothing of it can be chosen.
-void expect_copyable(const PublishOptions& options, const std::filesystem::path& stream) {
-    if (stream::is_address(stream))
-        throw InputError(stream.string(), "", "is on a server", "download it, and its sound beside it");
-    if (!options.given_encoding.empty())
-        throw InputError(options.given_encoding, stream.string(), "is a stream, which is copied as it is",
-                         "leave the option out");
-}
-
-// With its sound.
-EncodedStream copy_stream(const std::filesystem::path& stream, const std::filesystem::path& output) {
-    std::error_code error;
-    std::filesystem::copy_file(stream, output, error);
-    if (error) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", output.string(), error.message()));
-    copy_sound(sound_to_copy(stream, output), output);
-    return {std::filesystem::file_size(output)};
+// Writes the stream that a page plays, and beside it its sound.
+EncodedStream write_for_page(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common,
+                             const std::optional<std::filesystem::path>& sound, const std::filesystem::path& stream) {
+    const EncodedStream published = is_stream_to_copy(scene.clip)
+                                        ? EncodedStream{copy_stream(scene.clip, stream)}
+                                        : encode_scene(options.encoding, scene, common, stream);
+    if (sound) copy_sound(*sound, voctree::sound_file(stream));
+    return published;
 }
 
 EncodedStream publish_page(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common) {
-    if (is_stream(scene)) expect_copyable(options, scene.clip);
-    const UnfinishedWebPage page(options.web, find_web_player(), voctree::sound_beside(scene.clip).has_value());
-    const EncodedStream published = is_stream(scene) ? copy_stream(scene.clip, page.stream())
-                                                     : publish_stream(options, scene, common, page.stream());
+    if (is_stream_to_copy(scene.clip) && !options.given_encoding.empty())
+        throw InputError(options.given_encoding, scene.clip.string(), "is a stream, which is copied as it is",
+                         "leave the option out");
     const std::string name = scene.stage ? scene.stage->performers[scene.performer].name : "";
-    page.finish(name.empty() ? scene.clip.stem().string() : name);
+    const std::string title = name.empty() ? scene.clip.stem().string() : name;
+    const auto sound = voctree::sound_beside(scene.clip);
+    const std::filesystem::path page_sound = voctree::sound_file(kPageStream);
+    if (options.is_one_file()) {
+        const WebPlayer player = find_one_file_player();
+        prepare_result("--web", options.web);
+        const PrivateFolder folder(options.web);
+        const EncodedStream published = write_for_page(options, scene, common, sound, folder.path / kPageStream);
+        write_one_file_page(options.web, player, title, folder.path / kPageStream,
+                            sound ? std::optional(folder.path / page_sound) : std::nullopt);
+        return published;
+    }
+    std::vector<std::string> own{kPageStream};
+    if (sound) own.push_back(page_sound.string());
+    const UnfinishedWebPage page("--web", options.web, find_web_player(), own);
+    const EncodedStream published = write_for_page(options, scene, common, sound, page.path() / kPageStream);
+    page.finish(title);
     return published;
 }
 
 void report(const PublishOptions& options, const PublishedScene& scene, const EncodedStream& published) {
-    const std::string stream = options.stream().string(),
-                      page = (std::filesystem::path(options.web) / "index.html").string();
+    const std::string stream = options.stream().string(), page = options.page().string();
     const uint32_t frames = scene.index.frames();
     const double bytes_per_frame = static_cast<double>(published.bytes) / frames;
     const double mbps = 8e-6 * bytes_per_frame * double{scene.index.fps};
@@ -123,7 +132,11 @@ void report(const PublishOptions& options, const PublishedScene& scene, const En
         scene.layers.empty() ? "" : fmt::format("; visible layers of paint: {}", scene.layers.size());
     tell("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}{}\n", stream, size_text(published.bytes), frames,
          bytes_per_frame / 1000, mbps, quality, paint);
-    if (!options.web.empty()) tell("{} plays it from any file server: tools/serve {}\n", page, options.web);
+    if (options.is_one_file())
+        tell("{}: {} as one page, which browsers open from the disk, too\n", page,
+             size_text(std::filesystem::file_size(page)));
+    else if (!options.web.empty())
+        tell("{} plays it from any file server: tools/serve {}\n", page, options.web);
 }
 
 void run(const PublishOptions& options, const CommonOptions& common) {
@@ -151,19 +164,11 @@ void add_publish(Command app, CommonOptions& common) {
     Command result = verb.add_group("What is written");
     result.add_option("-o,--output", options->output, "The .nvs to write");
     result.add_option("--web", options->web,
-                      "A folder to write for any file server: the stream, and a page that plays it in browsers");
+                      "A folder to write for any file server: the stream, and a page that plays it in browsers; or a "
+                      ".html of at most 20 MB that has all of it, which browsers open from the disk, too");
     result.require_options(1, 1);
     add_up_option(verb, options->up);
-    Option rate = verb.add_option("--rate", options->encoding.rate_mbps, "Mbit/s, which every group of frames keeps to")
-                      .number_between(0.01, 1e5);
-    verb.add_option("--quality", options->encoding.quality,
-                    "In place of it, PSNR in dB that images keep at least, against the clip's own, painted")
-        .number_between(10, 60)
-        .excludes(rate)
-        .show_default();
-    verb.add_option("--group", options->encoding.group_s, "Seconds of frames that are played without any before them")
-        .number_between(0.01, 60)
-        .show_default();
+    add_encoding_options(verb, options->encoding);
     verb.add_option("--views", options->encoding.views, "Images that are compared, over one orbit as the clip plays")
         .in_range(1, 100)
         .show_default();
@@ -184,6 +189,7 @@ void add_publish(Command app, CommonOptions& common) {
          "  neuvv publish work/performer.nvv -o work/performer.nvs\n"
          "  neuvv publish work/performer.nvv -o work/phone.nvs --rate 10\n"
          "  neuvv publish work/phone.nvs --web work/web\n"
+         "  neuvv publish work/phone.nvs --web work/phone.html\n"
          "  neuvv render work/performer.nvs -o work/turn.mp4\n"
          "  neuvv info https://example.com/performer.nvs\n"
          "  neuvv stage new work/show.gltf\n"

@@ -13,6 +13,12 @@ namespace neuvv::tools {
 
 namespace {
 
+bool has_folders(const PublishedScene& scene) {
+    return scene.index.segments.size() > 1;
+}
+
+}  // namespace
+
 render::LayerFolders visible_layers(const stage::Stage& stage, const stage::StagePerformer& performer) {
     render::LayerFolders layers;
     for (size_t i = 0; i < performer.settings.paint.size(); ++i) {
@@ -24,12 +30,6 @@ render::LayerFolders visible_layers(const stage::Stage& stage, const stage::Stag
     }
     return layers;
 }
-
-bool has_folders(const PublishedScene& scene) {
-    return scene.index.segments.size() > 1;
-}
-
-}  // namespace
 
 PublishedScene published_performer(std::shared_ptr<const stage::Stage> stage, uint32_t performer) {
     const stage::StagePerformer& found = stage->performers[performer];

@@ -30,6 +30,9 @@ PublishedScene read_published_scene(const std::string& scene, const std::string&
 // The same of a performer of a stage that was read, by its index in the stage.
 PublishedScene published_performer(std::shared_ptr<const stage::Stage> stage, uint32_t performer);
 
+// The layers of a performer's paint that are seen, the lowest first.
+render::LayerFolders visible_layers(const stage::Stage& stage, const stage::StagePerformer& performer);
+
 // The paint of one segment.
 struct SegmentLayers {
     std::vector<std::unique_ptr<const voctree::EditLayer>> edits;  // `steps` points to them

@@ -11,6 +11,7 @@
 #include "base/formats/json.h"
 #include "base/output_path.h"
 #include "base/platform.h"
+#include "base/text.h"
 #include "tools/html.h"
 #include "tools/results.h"
 #include "voctree/files/clip_sound.h"
@@ -26,34 +27,49 @@ constexpr const char* kPlayerWrittenBy = "tools/web/build";
 constexpr const char* kPageList = "published.json";
 constexpr const char* kPageWrittenBy = "neuvv publish";
 constexpr const char* kPage = "index.html";
+constexpr const char *kPageOfStages = "stage.html", *kPageOfOneFile = "one_file.html";  // in the player's folder
 
-std::vector<std::string> listed_files(const std::filesystem::path& list, const char* written_by) {
-    const JsonFile json = read_json(list, "a list of files");
-    const JsonNode root = json.root(), writer = root["written_by"], names = root["files"];
-    if (json_string(writer) != written_by) writer.fail(fmt::format("is not \"{}\"", written_by));
+// Whether a name is one of a file in the folder or in a folder of it, and leads nowhere else.
+bool is_file_in(const std::filesystem::path& folder, const std::filesystem::path& name) {
+    std::error_code error;
+    const std::filesystem::path file = std::filesystem::weakly_canonical(folder, error) / name;
+    return name.is_relative() && name.has_filename() && file == file.lexically_normal() &&
+           std::filesystem::weakly_canonical((folder / name).parent_path(), error) == file.parent_path();
+}
+
+std::vector<std::string> listed_files(const JsonNode& names, const std::filesystem::path& folder) {
     expect_list(names);
     std::vector<std::string> files;
     for (size_t i = 0; i < names.value.size(); ++i) {
-        const std::string name = json_string(names[i]);
-        // No path, which might lead out of the folder.
-        if (name.empty() || name == "." || name == ".." || std::filesystem::path(name).filename() != name)
-            names[i].fail("is no name of a file");
-        files.push_back(name);
+        files.push_back(json_string(names[i]));
+        if (!is_file_in(folder, files.back())) names[i].fail("is no name of a file in this folder");
     }
     return files;
+}
+
+JsonFile read_list(const std::filesystem::path& list, const char* written_by) {
+    JsonFile json = read_json(list, "a list of files");
+    const JsonNode root = json.root(), writer = root["written_by"];
+    if (json_string(writer) != written_by) writer.fail(fmt::format("is not \"{}\"", written_by));
+    return json;
+}
+
+uint64_t base64_size(uint64_t bytes) {
+    return (bytes + 2) / 3 * 4;
 }
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
     return std::ranges::find(names, name) != names.end();
 }
 
-// The player's page with another title. Where there is no sound, the player is told so, and does not ask for one.
+// The page with another title. Where there is no sound, an element that plays one stream is told so, and does not ask
+// for one.
 std::string page_of(const WebPlayer& player, const std::string& title, bool has_sound) {
     constexpr std::string_view kBefore = "<title>", kAfter = "</title>", kElement = "<neuvv-player";
     std::string page = player.page;
     const size_t before = page.find(kBefore), end = page.find(kAfter, before);
     if (before == std::string::npos || end == std::string::npos)
-        throw InputError((player.folder / kPage).string(), "", "has no title", "run tools/web/build");
+        throw InputError(player.folder.string(), "", "its page has no title", "run tools/web/build");
     const size_t begin = before + kBefore.size();
     page.replace(begin, end - begin, html_text(title));
     const size_t element = page.find(kElement);
@@ -63,69 +79,129 @@ std::string page_of(const WebPlayer& player, const std::string& title, bool has_
 
 // A folder without the list of an earlier page must be empty, but for what a run that was killed left there. Beside an
 // earlier page, other files may lie, which stay.
-std::vector<std::string> files_of_earlier_page(const std::filesystem::path& folder) {
+std::vector<std::string> files_of_earlier_page(const std::string& option, const std::filesystem::path& folder) {
     std::error_code error;
     bool empty = true;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
         empty = empty && entry.path().filename() == "unfinished";
     if (empty) return {};
     if (!std::filesystem::exists(folder / kPageList, error))
-        throw InputError("--web", folder.string(), "holds other files than a published page",
+        throw InputError(option, folder.string(), "holds other files than a published page",
                          "choose an empty folder or a new one");
-    expect_replaceable("--web", folder);
-    return listed_files(folder / kPageList, kPageWrittenBy);
+    expect_replaceable(option, folder);
+    return listed_files(read_list(folder / kPageList, kPageWrittenBy).root()["files"], folder);
+}
+
+// The player whose page has this name. Whether the program can make a page of it is seen before any work.
+WebPlayer find_player(const std::string& page_name) {
+    WebPlayer player{(program_file().parent_path() / "../web").lexically_normal(), {}, {}};
+    std::error_code error;
+    if (!std::filesystem::exists(player.folder / kPlayerList, error))
+        throw InputError(player.folder.string(), "", "the player for browsers is not there", "run tools/web/build");
+    const JsonFile list = read_list(player.folder / kPlayerList, kPlayerWrittenBy);
+    player.files = listed_files(list.root()["files"], player.folder);
+    if (page_name == kPageOfStages) {
+        if (!list.document.contains("stage_files"))
+            throw InputError(
+                player.folder.string(), "", "has no three.js, by which stages are played",
+                fmt::format("run npm install three && tools/web/build {} node_modules/three", player.folder.string()));
+        for (std::string& name : listed_files(list.root()["stage_files"], player.folder))
+            player.files.push_back(std::move(name));
+    }
+    if (page_name == kPageOfOneFile && !std::filesystem::exists(player.folder / page_name, error))
+        throw InputError(player.folder.string(), "", "has no page of one file, which esbuild makes",
+                         "run tools/install-packages web && tools/web/build");
+    if (!contains(player.files, page_name)) player.files.emplace_back(page_name);
+    for (const std::string& name : player.files)
+        if (!std::filesystem::is_regular_file(player.folder / name, error))
+            throw InputError(player.folder.string(), "", fmt::format("{} of the player is not there", name),
+                             "run tools/web/build");
+    const std::vector<uint8_t> page = read_file(player.folder / page_name);
+    player.page.assign(page.begin(), page.end());
+    page_of(player, "", true);
+    std::erase(player.files, page_name);
+    if (!contains(player.files, kPage)) player.files.emplace_back(kPage);
+    return player;
 }
 
 }  // namespace
 
 WebPlayer find_web_player() {
-    WebPlayer player{(program_file().parent_path() / "../web").lexically_normal(), {}, {}};
-    std::error_code error;
-    if (!std::filesystem::exists(player.folder / kPlayerList, error))
-        throw InputError(player.folder.string(), "", "the player for browsers is not there", "run tools/web/build");
-    player.files = listed_files(player.folder / kPlayerList, kPlayerWrittenBy);
-    if (!contains(player.files, kPage)) player.files.emplace_back(kPage);
-    for (const std::string& name : player.files)
-        if (!std::filesystem::is_regular_file(player.folder / name, error))
-            throw InputError(player.folder.string(), "", fmt::format("{} of the player is not there", name),
-                             "run tools/web/build");
-    const std::vector<uint8_t> page = read_file(player.folder / kPage);
-    player.page.assign(page.begin(), page.end());
-    page_of(player, "", true);  // throws where that cannot be done
-    return player;
+    return find_player(kPage);
 }
 
-UnfinishedWebPage::UnfinishedWebPage(std::filesystem::path folder, WebPlayer player, bool has_sound)
-    : folder_(std::move(folder)), player_(std::move(player)), has_sound_(has_sound), names_(player_.files) {
-    names_.insert(names_.end(), {kPageList, kPageStream});
-    if (has_sound_) names_.push_back(voctree::sound_file(kPageStream).string());
-    prepare_output_folder("--web", folder_);
-    replaced_ = files_of_earlier_page(folder_);
+WebPlayer find_stage_player() {
+    return find_player(kPageOfStages);
+}
+
+WebPlayer find_one_file_player() {
+    return find_player(kPageOfOneFile);
+}
+
+void write_one_file_page(const std::filesystem::path& output, const WebPlayer& player, const std::string& title,
+                         const std::filesystem::path& stream, const std::optional<std::filesystem::path>& sound) {
+    std::string page = page_of(player, title, true);
+    uint64_t bytes = page.size() + base64_size(std::filesystem::file_size(stream));
+    if (sound) bytes += base64_size(std::filesystem::file_size(*sound));
+    if (bytes > kMostOneFileBytes)
+        throw InputError("--web", output.string(),
+                         fmt::format("would have {:.1f} MB; a page of one file has at most {:.0f}",
+                                     1e-6 * static_cast<double>(bytes), 1e-6 * static_cast<double>(kMostOneFileBytes)),
+                         "encode the clip with a lower --rate or --quality, or choose a folder");
+    const auto put = [&](const char* id, const std::filesystem::path& file) {
+        const std::string element = fmt::format("id=\"{}\">", id);
+        const size_t place = page.find(element);
+        if (place == std::string::npos)
+            throw InputError(player.folder.string(), "", fmt::format("its page has no {}", id), "run tools/web/build");
+        page.insert(place + element.size(), base64(read_file(file)));
+    };
+    put("stream", stream);
+    if (sound) put("sound", *sound);
+    write_text_file(output, page);
+}
+
+UnfinishedWebPage::UnfinishedWebPage(std::string option, std::filesystem::path folder, WebPlayer player,
+                                     const std::vector<std::string>& own)
+    : option_(std::move(option)), folder_(std::move(folder)), player_(std::move(player)), names_(player_.files) {
+    names_.emplace_back(kPageList);
+    names_.insert(names_.end(), own.begin(), own.end());
+    prepare_output_folder(option_, folder_);
+    replaced_ = files_of_earlier_page(option_, folder_);
     std::error_code error;
     for (const std::string& name : names_)
         if (!contains(replaced_, name) && std::filesystem::exists(folder_ / name, error))
-            throw InputError("--web", (folder_ / name).string(), "is not of the page that was published there",
+            throw InputError(option_, (folder_ / name).string(), "is not of the page that was published there",
                              "move it elsewhere");
-    prepare_results("--web", folder_, replaced_);
-    prepare_results("--web", folder_, names_);
+    prepare_results(option_, folder_, replaced_);
+    prepare_results(option_, folder_, names_);
     files_.emplace(folder_);
 }
 
 void UnfinishedWebPage::finish(const std::string& title) const {
     try {
-        for (const std::string& name : player_.files)
-            if (name != kPage) std::filesystem::copy_file(player_.folder / name, files_->path() / name);
-        write_text_file(files_->path() / kPageList, json_text({{"written_by", kPageWrittenBy}, {"files", names_}}));
+        for (const std::string& name : player_.files) {
+            std::filesystem::create_directories((path() / name).parent_path());
+            if (name != kPage) std::filesystem::copy_file(player_.folder / name, path() / name);
+        }
+        write_text_file(path() / kPageList, json_text({{"written_by", kPageWrittenBy}, {"files", names_}}));
         // While there is no page, nothing looks finished; while there is a list, --overwrite may replace what is there.
         std::filesystem::remove(folder_ / kPage);
-        for (const std::string& name : replaced_)
+        for (const std::string& name : replaced_) {
+            std::error_code others;  // lie in its folder, which then stays
             if (name != kPageList) std::filesystem::remove(folder_ / name);
-        std::filesystem::rename(files_->path() / kPageList, folder_ / kPageList);
+            std::filesystem::remove((folder_ / name).parent_path(), others);
+        }
+        std::filesystem::rename(path() / kPageList, folder_ / kPageList);
+        for (const std::string& name : names_) {
+            if (name == kPage || name == kPageList) continue;
+            std::filesystem::create_directories((folder_ / name).parent_path());
+            std::filesystem::rename(path() / name, folder_ / name);
+        }
     } catch (const std::filesystem::filesystem_error& error) {
         throw RuntimeFailure(fmt::format("{}: cannot be written: {}", folder_.string(), error.code().message()));
     }
-    files_->finish();
-    write_text_file(folder_ / kPage, page_of(player_, title, has_sound_));
+    const bool has_sound = contains(names_, voctree::sound_file(kPageStream).string());
+    write_text_file(folder_ / kPage, page_of(player_, title, has_sound));
 }
 
 }  // namespace neuvv::tools

@@ -1,8 +1,8 @@
 // bench.html?src=show.nvs measures how fast a browser decodes and draws a stream, wherever it is opened.
 import {FrameReader} from './frames.js';
+import {loadedWalk} from './loaded.js';
 import {Orbit} from './orbit.js';
 import {Renderer} from './renderer.js';
-import {loadedWalk} from './walk.js';
 
 const kFrames = 12, kImages = 24;  // that are decoded; that are drawn of each size
 const kSizes = [[640, 360], [1280, 720], [1680, 1760]];  // the last: about that of an eye of a standalone headset

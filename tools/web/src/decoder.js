@@ -1,21 +1,10 @@
 // The module decoder.wasm: the engine's codec, slice trees and pace of frames (tools/web/*.h).
 
-let module = null;
-
 /** A module of WebAssembly at an address. */
 export async function compiled(url) {
     const answer = await fetch(url);  // not compiled while it comes, for which servers must know its type
     if (!answer.ok) throw new Error(`the server answers ${answer.status}`);
     return WebAssembly.compile(await answer.arrayBuffer());
-}
-
-/** Loads and compiles it, once for all threads and streams. */
-export function loadedDecoder() {
-    module ??= compiled(new URL('decoder.wasm', import.meta.url)).catch(error => {
-        module = null;
-        throw new Error(`the decoder could not be loaded: ${error.message}`);
-    });
-    return module;
 }
 
 /** Its functions, with a memory of their own. */

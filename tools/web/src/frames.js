@@ -1,8 +1,9 @@
 // The frames of a stream as slice trees: fetched by ranges, decoded in workers.
-import {instantiated, loadedDecoder} from './decoder.js';
+import {instantiated} from './decoder.js';
 import {FramePace} from './frame_pace.js';
+import {loadedDecoder, newWorker} from './loaded.js';
 import {StreamError, crc32, headBytes, kBeginnings, kCoarseParts, kLeastParts, kParts, readHead} from './nvs.js';
-import {RangeSource} from './source.js';
+import {opened} from './source.js';
 
 const kWorkers = Math.max(1, Math.min(4, (navigator.hardwareConcurrency ?? 2) - 1));
 const kMostTableBytes = 1 << 20;  // inflated
@@ -15,7 +16,7 @@ const kNothing = {frame: -1, partCount: 0};
 
 /** A worker, which decodes what it is asked for in order. */
 class Decoder {
-    #worker = new Worker(new URL('worker.js', import.meta.url), {type: 'module'});
+    #worker = newWorker();
     #waiting = new Map(); #next = 0; #problem = ''; #ready; #group = null;  // whose tables it has
     last = kNothing;            // what it has decoded last
     planned = kNothing;         // what it is asked for last
@@ -90,9 +91,12 @@ export class FrameReader {
     #mostParts = kParts;  // that are needed, where there is a budget
     fps = 0; frames = []; box = null;  // as readHead has them
 
-    /** Opens the stream at an address. `budget`: how many leaves a frame shall have at most; 0: no limit. Throws StreamError. */
+    /**
+     * Opens the stream at an address, which may be that of a Blob. `budget`: how many leaves a frame shall have at most; 0: no
+     * limit. Throws StreamError.
+     */
     static async open(url, budget = 0) {
-        const reader = new FrameReader(), source = new RangeSource(url);
+        const reader = new FrameReader(), source = await opened(url);
         reader.#budget = budget;
         loadedDecoder().then(instantiated).then(codec => reader.#pace = new FramePace(codec, kWorkers))
             .catch(() => {});  // it is thrown where frames are asked for

@@ -1,9 +1,9 @@
 // <neuvv-player src="show.nvs" autoplay loop controls>: plays a stream of a performer, who is seen from all sides.
 import {Controls, kControlsStyle} from './controls.js';
+import {loadedWalk} from './loaded.js';
 import {Orbit} from './orbit.js';
 import {playing} from './playing.js';
 import {Renderer} from './renderer.js';
-import {loadedWalk} from './walk.js';
 import {Immersion} from './xr.js';
 
 const kMostDensity = 2;        // rays across and down of a pixel of the page

@@ -1,4 +1,4 @@
-// The bytes of a file on a server, by ranges.
+// The bytes of a file: on a server, by ranges, or in the page.
 import {ByteRate} from './byte_rate.js';
 import {StreamError} from './nvs.js';
 
@@ -21,7 +21,7 @@ export class RangeSource {
     size = Infinity;  // of the file, where its server says so
     constructor(url) { this.#url = url; }
 
-    /** As bytes come from the server; 0 where nobody knows yet. */
+    /** As bytes come from the server; 0 where nobody knows yet, below 0 where they are here. */
     get bytesPerSecond() { return this.#rate.perSecond; }
     /** A Uint8Array of [begin, begin + bytes). Throws StreamError, and what the signal says where it aborts. */
     async read(begin, bytes, signal = null) {
@@ -206,4 +206,26 @@ export class RangeSource {
             filled += value.length;
         }
     }
+}
+
+/** The same of a Blob. */
+class BlobSource {
+    #blob;
+    bytesPerSecond = -1;
+    constructor(blob) { this.#blob = blob; }
+    get size() { return this.#blob.size; }
+    async read(begin, bytes) {
+        const read = new Uint8Array(await this.#blob.slice(begin, begin + bytes).arrayBuffer());
+        if (read.length < bytes) throw new StreamError('the file ends early');
+        return read;
+    }
+    readAhead() {}
+    has() { return true; }
+    begin() { return this.read(0, Math.min(this.size, kBlock)); }
+    cancel() {}
+}
+
+/** The source of what is at an address. */
+export async function opened(url) {
+    return url.protocol === 'blob:' ? new BlobSource(await (await fetch(url)).blob()) : new RangeSource(url);
 }

@@ -1,4 +1,4 @@
-// The page shows the stage that its address names, by three.js: stage.html?src=show.gltf
+// The page shows the stage that its address names, by three.js: stage.html?src=show.glb
 import {Controls, kControlsStyle} from './controls.js';
 
 const kMostDensity = 2;  // pixels across and down of a pixel of the page
@@ -70,7 +70,7 @@ function addControls(stage, renderer) {
 
 async function begin() {
     const all = await libraries(), {GLTFLoader, OrbitControls, NeuvvPerformerExtension} = all;
-    const src = new URLSearchParams(location.search).get('src') || 'show.gltf';
+    const src = new URLSearchParams(location.search).get('src') || 'show.glb';
     if (/\.nvs$/i.test(src)) throw new Error(`${src} is a stream, no stage: index.html?src=${src} plays it`);
     const gltf = await new GLTFLoader().register(parser => new NeuvvPerformerExtension(parser)).loadAsync(src)
         .catch(error => { throw new Error(`${src}: ${error.message}`); });

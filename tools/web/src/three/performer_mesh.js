@@ -1,10 +1,10 @@
 // A performer as an object of a scene of three.js.
 import {Box3, BoxGeometry, BufferGeometry, DataTexture, LinearSRGBColorSpace, Matrix4, Mesh, Object3D, RGBAIntegerFormat, RGIntegerFormat,
         RedIntegerFormat, SRGBColorSpace, UnsignedIntType, Vector3} from 'three';
+import {loadedWalk} from '../loaded.js';
 import {eyeOf, raysOf} from '../matrices.js';
 import {playing} from '../playing.js';
 import {boxesOf, kStop, kWidth, texturesOf} from '../slice_tree.js';
-import {loadedWalk} from '../walk.js';
 import {walkMaterials, walkUniforms} from './walk_materials.js';
 
 const kFormats = {1: [RedIntegerFormat, 'R32UI'], 2: [RGIntegerFormat, 'RG32UI'], 4: [RGBAIntegerFormat, 'RGBA32UI']};  // by channels

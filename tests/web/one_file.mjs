@@ -1,0 +1,97 @@
+// A page of one file, opened from the disk, in Debian's Chromium: shows what the page in a folder shows, sounds, seeks, plays
+// to its end, and asks for nothing.
+//   node tests/web/one_file.mjs NEUVV BUILT STREAM
+// BUILT: what tools/web/build made. Exits with 1 where something is wrong.
+import {execFileSync} from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import {pathToFileURL} from 'node:url';
+import {serving} from './browser.mjs';
+import {openedPage} from './devtools.mjs';
+import {programWith} from './modules.mjs';
+import {tone} from './tone.mjs';
+
+const kPatience_ms = 20000;
+const [neuvv, built, stream] = process.argv.slice(2);
+if (!fs.existsSync(path.join(built, 'one_file.html'))) {
+    console.log('skipped: esbuild is not installed (apt-get install esbuild)');
+    process.exit(77);
+}
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'neuvv-one-file-')), show = path.join(folder, 'a show.nvs');
+const program = programWith(neuvv, built, folder), wrong = [];
+const expect = (condition, text) => condition || wrong.push(text);
+fs.copyFileSync(stream, show);
+fs.writeFileSync(path.join(folder, 'a show.m4a'), tone(4));
+for (const page of ['a show.html', 'published'])
+    execFileSync(program, ['publish', show, '--web', path.join(folder, page)], {stdio: 'ignore'});
+
+// In the page, before its script: what is heard goes through `heard`.
+function listen() {
+    const make = AudioContext.prototype.createMediaElementSource;
+    AudioContext.prototype.createMediaElementSource = function (audio) {
+        const source = make.call(this, audio);
+        window.heard = new AnalyserNode(this);
+        source.connect(window.heard);
+        return source;
+    };
+}
+const heard = () => {
+    const samples = new Float32Array(2048);
+    window.heard?.getFloatTimeDomainData(samples);
+    return Math.max(...samples);
+};
+// Stands at a frame, with as many rays as it gets.
+async function stand(frame) {
+    const player = document.querySelector('neuvv-player');
+    while (player.readyState < 2) await new Promise(resolve => setTimeout(resolve, 20));
+    player.pause();
+    player.controls = false;
+    const there = new Promise(resolve => player.addEventListener('seeked', resolve, {once: true}));
+    player.currentTime = (frame + 0.5) / player.frameRate;
+    await there;
+    return {duration: player.duration, hasSound: player.hasSound, fetched: player.buffered.end(0)};
+}
+async function playToEnd() {
+    const player = document.querySelector('neuvv-player'), ended = new Promise(resolve => player.addEventListener('ended', resolve));
+    player.loop = false;
+    player.currentTime = 0;
+    await player.play();
+    await ended;
+    return player.error?.message ?? (player.ended && player.paused && player.currentTime === player.duration);
+}
+const pictureOf = async page => (await page.call('Page.captureScreenshot', {format: 'png'})).data;
+// Whether both show the same, at last: a frame becomes whole, and gets more rays.
+async function agree(one, other) {
+    for (const begin = Date.now(); Date.now() - begin < kPatience_ms;)
+        if (await pictureOf(one) === await pictureOf(other)) return true;
+    return false;
+}
+
+const server = await serving({roots: [['/', path.join(folder, 'published')]]});
+const pages = [];
+try {
+    pages.push(await openedPage(pathToFileURL(path.join(folder, 'a show.html')).href, listen));
+    pages.push(await openedPage(`${server.address}/index.html`, listen));
+    const [one, other] = pages;
+    let loudest = 0;
+    for (const begin = Date.now(); loudest < 0.01 && Date.now() - begin < kPatience_ms;) loudest = await one.evaluate(heard);
+    expect(loudest >= 0.01, `what is heard has an amplitude of ${loudest}`);
+    const states = await Promise.all(pages.map(page => page.evaluate(stand, 2)));
+    expect(JSON.stringify(states[0]) === JSON.stringify(states[1]) && states[0].hasSound, `the pages say ${JSON.stringify(states)}`);
+    expect(await agree(one, other), 'the page of one file shows another picture');
+    await one.evaluate(stand, 0);
+    await new Promise(resolve => setTimeout(resolve, 1000));
+    expect(await pictureOf(one) !== await pictureOf(other), 'another frame looks the same');
+    const end = await one.evaluate(playToEnd);
+    expect(end === true, `the page does not play to its end: ${end}`);
+    const outside = one.requests.filter(url => !url.startsWith('blob:')).slice(1);
+    expect(one.requests[0]?.startsWith('file:') && outside.length === 0, `the page asks for ${outside}`);
+} catch (error) {
+    wrong.push(error.message);
+}
+for (const page of pages) await page.end();
+server.close();
+fs.rmSync(folder, {recursive: true});
+for (const text of wrong) console.error(`wrong: ${text}`);
+process.exit(wrong.length > 0 ? 1 : 0);
