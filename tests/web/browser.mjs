@@ -4,6 +4,7 @@ import fs from 'node:fs';
 import http from 'node:http';
 import os from 'node:os';
 import path from 'node:path';
+import {DevTools} from './devtools.mjs';
 
 const kMost_s = 240;
 const kTypes = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm', '.json': 'application/json',
@@ -17,8 +18,8 @@ function file(name, roots) {
     return fs.existsSync(found) && fs.statSync(found).isFile() ? fs.readFileSync(found) : null;
 }
 
-// As a server that answers ranges; one that does not, for names in /whole/.
-function answer(request, response, name, content) {
+/** Answers as a server of ranges does; as one that has none, for names in /whole/. */
+export function answer(request, response, name, content) {
     const range = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? '');
     const headers = {'Content-Type': kTypes[path.extname(name)] ?? 'application/octet-stream', 'Content-Security-Policy': kPolicy};
     if (!content) return response.writeHead(404, headers).end();
@@ -32,18 +33,19 @@ function answer(request, response, name, content) {
 /**
  * What a page posts: {results, asked, missing}; `results` has `problem` where nothing came in `most_s` seconds. `asked`: names
  * of requests that were answered, `missing`: of the others. `roots`: [prefix of names, folder]; `sent`: bytes by name, before
- * those; `answers`: functions by name, which make the answer of what is posted there; `flags`: of Chromium.
+ * those; `answers`: functions by name, which make the answer of what is posted there, also by DevTools, their second argument;
+ * `serve`: answers instead of `answer`; `flags`: of Chromium.
  */
-export async function resultsOf({page, roots, sent = {}, answers = {}, most_s = kMost_s, flags = []}) {
-    let finish, log = '';
+export async function resultsOf({page, roots, sent = {}, answers = {}, serve = answer, most_s = kMost_s, flags = []}) {
+    let finish, devTools, log = '';
     const finished = new Promise(resolve => finish = resolve), asked = [], missing = [];
     const server = http.createServer((request, response) => {
         const name = new URL(request.url, 'http://x').pathname, reply = name === '/results' ? finish : answers[name];
         if (reply) {
             let body = '';
-            request.on('data', part => body += part).on('end', () => {
+            request.on('data', part => body += part).on('end', async () => {
                 try {
-                    response.end(reply(JSON.parse(body)));
+                    response.end(await reply(JSON.parse(body), devTools));
                 } catch (error) {
                     response.writeHead(500).end();
                     finish({problem: `${name}: ${error.message}`});
@@ -53,14 +55,15 @@ export async function resultsOf({page, roots, sent = {}, answers = {}, most_s = 
         }
         const content = sent[name] ?? file(name, roots);
         (content ? asked : missing).push(name);
-        answer(request, response, name, content);
+        serve(request, response, name, content);
     });
     await new Promise(resolve => server.listen(0, '127.0.0.1', resolve));
     const profile = fs.mkdtempSync(path.join(os.tmpdir(), 'neuvv-chromium-'));
     const browser = spawn('chromium', ['--headless=new', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-        '--disable-dev-shm-usage', `--user-data-dir=${profile}`, '--no-first-run',
+        '--disable-dev-shm-usage', `--user-data-dir=${profile}`, '--no-first-run', '--remote-debugging-pipe',
         '--autoplay-policy=no-user-gesture-required', ...flags, `http://127.0.0.1:${server.address().port}${page}`],
-        {stdio: ['ignore', 'ignore', 'pipe'], detached: true});  // a group of its own, which is ended as a whole
+        {stdio: ['ignore', 'ignore', 'pipe', 'pipe', 'pipe'], detached: true});  // a group of its own, which is ended as a whole
+    devTools = new DevTools(browser.stdio[3], browser.stdio[4]);
     browser.stderr.on('data', text => log += text);
     browser.on('exit', code => finish({problem: `chromium ended with ${code}\n${log}`}));
     const timer = setTimeout(() => finish({problem: `nothing came in ${most_s} s\n${log}`}), 1000 * most_s);
@@ -73,5 +76,6 @@ export async function resultsOf({page, roots, sent = {}, answers = {}, most_s = 
     }
     await fs.promises.rm(profile, {recursive: true, force: true, maxRetries: 20, retryDelay: 100});  // some may still write
     server.close();
+    server.closeAllConnections();  // those that were not answered
     return {results, asked, missing: missing.filter(name => name !== '/favicon.ico')};
 }

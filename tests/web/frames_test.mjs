@@ -28,7 +28,7 @@ const {FrameReader} = await import(`${built}/frames.js`);
 
 // A reader of 1000 frames, each of which comes when it is told to.
 function fakeReader() {
-    const reader = {readsAheadFor() {}, fps: 10, lead_s: 0, frames: Array(1000).fill({}), parts: 3, asked: [], arrivals: [], partsInTime: () => reader.parts,
+    const reader = {readsAheadFor() {}, tryAgain() {}, fps: 10, lead_s: 0, frames: Array(1000).fill({}), parts: 3, asked: [], arrivals: [], partsInTime: () => reader.parts,
                     learnArrival: seconds => reader.arrivals.push(seconds),
                     tree: (frame, partCount, signal) => new Promise((resolve, reject) => {
                         reader.asked.push({frame, partCount, signal, come: () => resolve({frame})});

@@ -7,6 +7,7 @@ import os from 'node:os';
 import path from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {resultsOf} from './browser.mjs';
+import {tone} from './streams.mjs';
 
 const kAngle = 0.6, kLeast_db = 45;
 const [neuvv, built, stream, given, size = '320x240'] = process.argv.slice(2);
@@ -49,15 +50,6 @@ damaged[40] ^= 1;
 const elsewhere = Buffer.from(bytes), headEnd = headBytes(bytes, Infinity) - 4;
 elsewhere[32 + 40] ^= 1;
 elsewhere.writeUInt32LE(crc32(elsewhere.subarray(0, headEnd)), headEnd);
-// A tone of so many seconds, as a WAV file.
-function tone(seconds, rate = 16000) {
-    const wav = Buffer.alloc(44 + 2 * Math.round(seconds * rate));
-    for (const [at, text] of [[0, 'RIFF'], [8, 'WAVE'], [12, 'fmt '], [36, 'data']]) wav.write(text, at);
-    for (const [at, value] of [[4, wav.length - 8], [16, 16], [24, rate], [28, 2 * rate], [40, wav.length - 44]]) wav.writeUInt32LE(value, at);
-    for (const [at, value] of [[20, 1], [22, 1], [32, 2], [34, 16]]) wav.writeUInt16LE(value, at);
-    for (let i = 0; 44 + 2 * i < wav.length; ++i) wav.writeInt16LE(3000 * Math.sin(0.2 * i), 44 + 2 * i);
-    return wav;
-}
 // One that is so slow that it lasts for some seconds, and its sound.
 const slow = Buffer.from(bytes), slowFps = head.frames.length / 4;
 slow.writeFloatLE(slowFps, 20);

@@ -56,6 +56,7 @@ export class FrameQueue {
     }
     /** Those that could not be read are asked for again. */
     tryAgain() {
+        this.#reader.tryAgain();
         for (const [frame, one] of this.#asked)
             if (one.error) this.#asked.delete(frame);
     }

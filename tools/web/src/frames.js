@@ -68,11 +68,6 @@ async function inflated(bytes) {
     return new Uint8Array(await new Blob(pieces).arrayBuffer());
 }
 
-function expectWhole(bytes, crc) {
-    if (crc32(bytes) !== crc) throw new StreamError('a part of the stream is damaged');
-    return bytes;
-}
-
 export class FrameReader {
     #source; #inflated = new Map(); #decoders = []; #pace = null; #readsAhead = false;
     fps = 0; frames = []; box = null;  // as readHead has them
@@ -125,6 +120,8 @@ export class FrameReader {
     get lead_s() { return this.#pace?.lead() ?? 0; }
     /** What is read ahead for one of those who read from it, in place of what was before. */
     readsAheadFor(user, ranges) { this.#source.readAhead(user, ranges); }
+    /** Asks the server again, which has been given up. */
+    tryAgain() { this.#source.tryAgain(); }
     /** Whether the bytes of a frame have come, of as many parts as are shown at least. */
     isFetched(frame) { return this.frames[frame].parts.slice(0, kLeastParts).every(({begin, bytes}) => this.#source.has(begin, bytes)); }
     end() {
@@ -174,10 +171,17 @@ export class FrameReader {
             if (i === frame) return {...answer.tree, times};
         }
     }
+    // Bytes of the file, as the head says that they are.
+    async #read({begin, bytes, crc}, signal = null) {
+        const read = await this.#source.read(begin, bytes, signal);
+        if (crc32(read) === crc) return read;
+        this.#source.forget(begin, bytes);
+        throw new StreamError('a part of the stream is damaged');
+    }
     // The tables of a group, inflated. Those of the last few groups are kept.
     #tables(group) {
         if (!this.#inflated.has(group)) {
-            const one = this.#source.read(group.tables.begin, group.tables.bytes).then(bytes => inflated(expectWhole(bytes, group.tables.crc)));
+            const one = this.#read(group.tables).then(inflated);
             one.catch(() => this.#inflated.delete(group));  // they may come when they are asked for again
             this.#inflated.set(group, one);
         }
@@ -190,11 +194,11 @@ export class FrameReader {
     async #fetched(number, partCount, signal) {
         const {group, isKey, parts: all} = this.frames[number], parts = all.slice(0, partCount);
         const [tables, ...read] = await Promise.all(
-            [this.#tables(group), ...parts.map(({begin, bytes}) => this.#source.read(begin, bytes, signal))]);
+            [this.#tables(group), ...parts.map(part => this.#read(part, signal))]);
         const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.bytes, 0));
         let at = 0;
         for (const [i, part] of parts.entries()) {
-            bytes.set(expectWhole(read[i], part.crc), at);
+            bytes.set(read[i], at);
             at += part.bytes;
         }
         if (isKey !== (bytes[0] === 1)) throw new StreamError('a frame is a key frame or not, other than the head says');
