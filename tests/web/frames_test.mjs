@@ -102,6 +102,20 @@ test('ten quick seeks ask for ten frames, and only the last is still wanted', as
     assert(queue.has(904), 'what is decoded stays');
 });
 
+test('what comes to a page that slept says nothing of later frames', async () => {
+    const reader = fakeReader(), queue = new FrameQueue(reader), now = performance.now;
+    await showFirst(queue, reader);
+    queue.follow(from(0), {rate: 1}, 16);
+    performance.now = () => now.call(performance) + 3600000;
+    reader.asked[1].come();
+    await later(0);
+    performance.now = now;
+    assert(queue.has(1) && reader.arrivals.length === 0, `${reader.arrivals}`);
+    reader.asked[2].come();
+    await later(0);
+    assert.strictEqual(reader.arrivals.length, 1);
+});
+
 test('frames that cannot be there in time are left out', async () => {
     const reader = fakeReader(), queue = new FrameQueue(reader);
     await showFirst(queue, reader);
