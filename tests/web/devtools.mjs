@@ -1,7 +1,7 @@
 // Chromium's DevTools protocol, by the pipe of --remote-debugging-pipe: messages of JSON with a 0 behind each.
 
 export class DevTools {
-    #toBrowser; #waiting = new Map(); #next = 1; #rest = ''; #page = null;
+    #toBrowser; #waiting = new Map(); #next = 1; #rest = ''; #page = null; #workers = new Set();
 
     constructor(toBrowser, fromBrowser) {
         this.#toBrowser = toBrowser;
@@ -20,18 +20,23 @@ export class DevTools {
     }
     /** The test's page: {targetId, sessionId}. */
     page() {
-        this.#page ??= this.#attach('page');
-        return this.#page.then(([page]) => page);
+        this.#page ??= this.#attached();
+        return this.#page;
     }
-    /** The workers of the page, as page() has it. */
-    workers() { return this.#attach('worker'); }
+    /** The sessions of the page's workers. */
+    async workers() {
+        const {sessionId} = await this.page();
+        await this.call('Target.setAutoAttach', {autoAttach: true, waitForDebuggerOnStart: false, flatten: true}, sessionId);
+        return [...this.#workers];  // which it has told of
+    }
 
-    async #attach(type) {
-        const {targetInfos} = await this.call('Target.getTargets', {filter: [{type}]});
-        return Promise.all(targetInfos.map(async ({targetId}) =>
-            ({targetId, ...await this.call('Target.attachToTarget', {targetId, flatten: true})})));
+    async #attached() {
+        const {targetInfos: [{targetId}]} = await this.call('Target.getTargets', {filter: [{type: 'page'}]});
+        return {targetId, ...await this.call('Target.attachToTarget', {targetId, flatten: true})};
     }
-    #hear({id, result, error}) {
+    #hear({id, method, params, result, error}) {
+        if (method === 'Target.attachedToTarget' && params.targetInfo.type === 'worker') this.#workers.add(params.sessionId);
+        if (method === 'Target.detachedFromTarget') this.#workers.delete(params.sessionId);
         const one = this.#waiting.get(id);
         if (!one) return;  // an event
         this.#waiting.delete(id);
