@@ -1,7 +1,7 @@
 // A player that is hidden while it plays, and shown again.
 
 const kHidden_s = 6, kSleep_s = 5;
-const kMostOff_s = 0.3;  // of the time, after it is shown again
+const kMostOff_s = 0.4;  // of the time, after it is shown again
 
 const results = {wrong: [], counts: {}};
 const expect = (condition, text) => condition || results.wrong.push(text);
