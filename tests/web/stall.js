@@ -31,7 +31,7 @@ const event = (player, name) => {
 
 async function opened() {
     document.querySelector('neuvv-player')?.remove();
-    const player = Object.assign(new NeuvvPlayer(), {loop: true, muted: true, playbackRate: 4});
+    const player = Object.assign(new NeuvvPlayer(), {loop: true, muted: true, playbackRate: 8});
     document.body.append(player);
     Object.assign(player.style, {width: `${kSize}px`});
     player.setAttribute('sound', '');

@@ -35,7 +35,10 @@ export class RangeSource {
         const result = new Uint8Array(bytes);
         for (const [i, from] of (await this.#awaited(this.#request(first, last), signal)).entries()) {
             const at = (first + i) * kBlock, end = Math.min(begin + bytes - at, kBlock);
-            if (from.length < end) throw new StreamError('the file ends early');
+            if (from.length < end) {
+                this.forget(at, end);
+                throw new StreamError('the file ends early');
+            }
             result.set(from.subarray(Math.max(begin - at, 0), end), Math.max(at - begin, 0));
         }
         return result;
