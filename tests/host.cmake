@@ -80,7 +80,7 @@ set_tests_properties(stream_vectors_in_webassembly PROPERTIES LABELS cpu SKIP_RE
 set(player ${CMAKE_CURRENT_BINARY_DIR}/web)
 add_test(NAME web_build COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/web/build ${player})
 set_tests_properties(web_build PROPERTIES LABELS gpu FIXTURES_SETUP web_build)
-foreach(part frames player headset three one_file)
+foreach(part frames player stall hidden looks headset three one_file)
   add_test(NAME web_${part}
            COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/web/check ${part} $<TARGET_FILE:neuvv> ${player})
   set_tests_properties(web_${part} PROPERTIES LABELS gpu SKIP_RETURN_CODE 77 FIXTURES_REQUIRED web_build)

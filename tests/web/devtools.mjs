@@ -1,51 +1,48 @@
-// A page in Chromium that is asked from here, by a pipe, for pages that talk to no server.
-import {started} from './browser.mjs';
+// Chromium's DevTools protocol, by the pipe of --remote-debugging-pipe: messages of JSON with a 0 behind each.
 
-const kMost_s = 120;
+export class DevTools {
+    #toBrowser; #waiting = new Map(); #listeners = new Map(); #next = 1; #rest = ''; #page = null; #workers = new Set();
 
-/** {call, evaluate, requests, end}. `script` runs in the page before its own; `requests`: addresses that it has asked for. */
-export async function openedPage(url, script) {
-    const {browser, log, end} = started(['--remote-debugging-pipe', '--window-size=400,400'], ['pipe', 'pipe']);
-    const waiting = new Map(), requests = [];
-    let said = '', count = 0;
-    const answerTo = id => new Promise((resolve, reject) => waiting.set(id, {resolve, reject}));
-    const fail = problem => {
-        for (const {reject} of waiting.values()) reject(new Error(`${url}: ${problem}\n${log()}`));
-    };
-    const take = ({id, result, error, method, params}) => {
-        if (method === 'Network.requestWillBeSent') requests.push(params.request.url);
-        if (method === 'Page.loadEventFired') return take({id: 'load'});
-        if (error) waiting.get(id)?.reject(new Error(error.message));
-        waiting.get(id)?.resolve(result);
-        waiting.delete(id);
-    };
-    browser.on('exit', code => fail(`chromium ended with ${code}`));
-    browser.stdio[4].setEncoding('utf8').on('data', text => {
-        const messages = (said + text).split('\0');
-        said = messages.pop();
-        for (const message of messages) take(JSON.parse(message));
-    });
-    const timer = setTimeout(() => fail(`nothing came in ${kMost_s} s`), 1000 * kMost_s);
-    const send = (method, params, sessionId) => {
-        browser.stdio[3].write(`${JSON.stringify({id: ++count, method, params, sessionId})}\0`);
-        return answerTo(count);
-    };
-    const {targetId} = await send('Target.createTarget', {url: 'about:blank'});
-    const {sessionId} = await send('Target.attachToTarget', {targetId, flatten: true});
-    const call = (method, params = {}) => send(method, params, sessionId);
-    /** What a function of the page returns, as JSON. */
-    const evaluate = async (run, ...values) => {
-        const expression = `(${run})(${values.map(value => JSON.stringify(value)).join()})`;
-        const {result, exceptionDetails} = await call('Runtime.evaluate', {expression, awaitPromise: true, returnByValue: true});
-        if (exceptionDetails) throw new Error(`${url}: ${exceptionDetails.exception?.description ?? exceptionDetails.text}`);
-        return result.value;
-    };
-    await call('Page.enable');
-    await call('Network.enable');
-    await call('Page.addScriptToEvaluateOnNewDocument', {source: `(${script})()`});
-    await Promise.all([answerTo('load'), call('Page.navigate', {url})]);
-    return {call, evaluate, requests, end: () => {
-        clearTimeout(timer);
-        return end();
-    }};
+    constructor(toBrowser, fromBrowser) {
+        this.#toBrowser = toBrowser;
+        toBrowser.on('error', () => {});  // the browser has ended
+        fromBrowser.setEncoding('utf8').on('data', text => {
+            const messages = (this.#rest + text).split('\0');
+            this.#rest = messages.pop();
+            for (const message of messages) this.#hear(JSON.parse(message));
+        });
+    }
+    /** What a method answers. Without a session, it is asked of the browser. Throws an Error where it fails. */
+    call(method, params = {}, sessionId = undefined) {
+        const id = this.#next++;
+        this.#toBrowser.write(`${JSON.stringify({id, method, params, sessionId})}\0`);
+        return new Promise((resolve, reject) => this.#waiting.set(id, {method, resolve, reject}));
+    }
+    /** Calls `listener` with what each event of a name says. */
+    listen(name, listener) { this.#listeners.set(name, listener); }
+    /** The test's page: {targetId, sessionId}. */
+    page() {
+        this.#page ??= this.#attached();
+        return this.#page;
+    }
+    /** The sessions of the page's workers. */
+    async workers() {
+        const {sessionId} = await this.page();
+        await this.call('Target.setAutoAttach', {autoAttach: true, waitForDebuggerOnStart: false, flatten: true}, sessionId);
+        return [...this.#workers];  // which it has told of
+    }
+
+    async #attached() {
+        const {targetInfos: [{targetId}]} = await this.call('Target.getTargets', {filter: [{type: 'page'}]});
+        return {targetId, ...await this.call('Target.attachToTarget', {targetId, flatten: true})};
+    }
+    #hear({id, method, params, result, error}) {
+        if (method === 'Target.attachedToTarget' && params.targetInfo.type === 'worker') this.#workers.add(params.sessionId);
+        if (method === 'Target.detachedFromTarget') this.#workers.delete(params.sessionId);
+        this.#listeners.get(method)?.(params);
+        const one = this.#waiting.get(id);
+        if (!one) return;  // an event
+        this.#waiting.delete(id);
+        error ? one.reject(new Error(`${one.method}: ${error.message}`)) : one.resolve(result);
+    }
 }

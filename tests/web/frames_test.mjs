@@ -28,7 +28,7 @@ const {FrameReader} = await import(`${built}/frames.js`);
 
 // A reader of 1000 frames, each of which comes when it is told to.
 function fakeReader() {
-    const reader = {readsAheadFor() {}, fps: 10, lead_s: 0, frames: Array(1000).fill({}), parts: 3, asked: [], arrivals: [], partsInTime: () => reader.parts,
+    const reader = {readsAheadFor() {}, tryAgain() {}, fps: 10, lead_s: 0, frames: Array(1000).fill({}), parts: 3, asked: [], arrivals: [], partsInTime: () => reader.parts,
                     learnArrival: seconds => reader.arrivals.push(seconds),
                     tree: (frame, partCount, signal) => new Promise((resolve, reject) => {
                         reader.asked.push({frame, partCount, signal, come: () => resolve({frame})});
@@ -100,6 +100,20 @@ test('ten quick seeks ask for ten frames, and only the last is still wanted', as
     await later(0);
     queue.follow(from(901), {rate: 0, seeks: true}, 316);
     assert(queue.has(904), 'what is decoded stays');
+});
+
+test('what comes to a page that slept says nothing of later frames', async () => {
+    const reader = fakeReader(), queue = new FrameQueue(reader), now = performance.now;
+    await showFirst(queue, reader);
+    queue.follow(from(0), {rate: 1}, 16);
+    performance.now = () => now.call(performance) + 3600000;
+    reader.asked[1].come();
+    await later(0);
+    performance.now = now;
+    assert(queue.has(1) && reader.arrivals.length === 0, `${reader.arrivals}`);
+    reader.asked[2].come();
+    await later(0);
+    assert.strictEqual(reader.arrivals.length, 1);
 });
 
 test('frames that cannot be there in time are left out', async () => {

@@ -1,8 +1,10 @@
-// Loops a stream for ?minutes=N, and counts every ten seconds the bytes of the heap and the textures.
+// Loops a stream for ?minutes=N, and counts what it holds every ten seconds, each time where it stands at the same frame.
+import '/memories.js';
 import {NeuvvPlayer} from '/neuvv-player.js';
 
-const kPause_s = 10;
+const kPlay_s = 10, kSettled_s = 2, kAt_s = 0.2;  // the frame's time
 const minutes = Number(new URLSearchParams(location.search).get('minutes')), results = {counts: []};
+const later = seconds => new Promise(resolve => setTimeout(resolve, 1000 * seconds));
 
 let textures = 0;
 for (const [name, change] of [['createTexture', 1], ['deleteTexture', -1]]) {
@@ -12,18 +14,35 @@ for (const [name, change] of [['createTexture', 1], ['deleteTexture', -1]]) {
         return native.apply(this, words);
     };
 }
+let asked = 0;  // of the workers
+const {postMessage} = Worker.prototype;
+Worker.prototype.postMessage = function (...words) {
+    ++asked;
+    return postMessage.apply(this, words);
+};
+
+// Until it has the frames that it wants there, with all of their parts, and nothing is on its way.
+async function standStill(player) {
+    player.pause();
+    player.currentTime = kAt_s;
+    for (let before = -1; before !== asked || player.readyState < 4; await later(kSettled_s)) before = asked;
+}
 
 try {
     const player = new NeuvvPlayer();
     let frames = 0;
     player.addEventListener('timeupdate', () => ++frames);
-    Object.assign(player, {loop: true, autoplay: true, src: '/stream.nvs'});
+    Object.assign(player, {loop: true, src: '/stream.nvs'});
+    player.style.width = '120px';  // which is drawn quickly without a GPU
     document.body.append(player);
     player.addEventListener('error', event => results.problem = event.message);
-    for (let i = 0; i < 60 * minutes / kPause_s && !results.problem; ++i) {
-        await new Promise(resolve => setTimeout(resolve, 1000 * kPause_s));
-        gc();
-        results.counts.push({heap: performance.memory.usedJSHeapSize, textures, frames});
+    const begin = performance.now();
+    while (performance.now() - begin < 60000 * minutes && !results.problem) {
+        await player.play();
+        await later(kPlay_s);
+        await standStill(player);
+        const held = await (await fetch('/held', {method: 'POST', body: '{}'})).json();
+        results.counts.push({...held, textures, frames, seconds: (performance.now() - begin) / 1000});
     }
 } catch (error) {
     results.problem = `${error.message}\n${error.stack}`;

@@ -1,4 +1,4 @@
-// A player that loops: after its first minute, neither its heap nor its textures may grow. Not part of tools/test, as it takes long.
+// A player that loops: once all of its code has run for a while, nothing that it holds may grow. Not part of tools/test, as it takes long.
 //   node tests/web/growth.mjs BUILT STREAM [MINUTES]
 // BUILT: what tools/web/build made. Exits with 1 where something grows.
 import fs from 'node:fs';
@@ -6,29 +6,55 @@ import path from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {resultsOf} from './browser.mjs';
 
-// By so many bytes the least heap of the last third may be above that of the first. Frames that are being decoded, some of
-// 10 MB each, are on the heap, too: one run that fails proves no growth, and the heap by minutes has to be looked at.
-const kMostHeap = 2e6;
+// By so much the median of the last third may be above that of the first: bytes, or how many. `heap`: of scripts, `buffers`:
+// of their arrays, `memories`: of WebAssembly; of the page and its workers.
+const kMostMore = {heap: 3e4, buffers: 1e4, memories: 0, nodes: 0, listeners: 0, textures: 0};
+const kWarm_s = 90;       // until then, browsers compile what runs often
+const kLeastCounts = 6;
+const kMostTextures = 6;  // three of a tree, and of the next
 const [built, stream, minutes = '30'] = process.argv.slice(2);
 const here = path.dirname(fileURLToPath(import.meta.url));
-const {results} = await resultsOf({page: `/test/growth.html?minutes=${minutes}`, roots: [['/test/', here], ['/', built]],
-                                   sent: {'/stream.nvs': fs.readFileSync(stream)}, most_s: 60 * minutes + 240,
-                                   flags: ['--js-flags=--expose-gc', '--enable-precise-memory-info']});
-const wrong = results.problem ? [results.problem] : [];
-if (results.counts?.length >= 18) {
-    const leastOf = counts => Math.min(...counts.map(count => count.heap));
-    const minutesOf = counts => Array.from({length: Math.floor(counts.length / 6)}, (_, i) => leastOf(counts.slice(6 * i, 6 * i + 6)));
-    const heaps = minutesOf(results.counts).slice(1), third = Math.ceil(heaps.length / 3);  // after the first minute
-    const before = Math.min(...heaps.slice(0, third)), after = Math.min(...heaps.slice(-third));
-    const textures = Math.max(...results.counts.map(count => count.textures));
-    console.log(`heap ${(before / 1e6).toFixed(2)} MB at first, ${(after / 1e6).toFixed(2)} MB in the last third; at most ${textures} textures; ` +
-                `${results.counts.at(-1).frames} times shown`);
-    console.log(`heap by minutes, MB: ${minutesOf(results.counts).map(bytes => (bytes / 1e6).toFixed(1)).join(' ')}`);
-    if (after > before + kMostHeap) wrong.push('the heap grows');
-    if (textures > 6) wrong.push('textures are left');  // three of a tree, and of the next
-    if (results.counts.at(-1).frames === results.counts[6].frames) wrong.push('nothing was played');
-} else {
-    wrong.push('MINUTES must be at least 3');
+
+// So that a page or a worker knows how large its memories of WebAssembly are.
+const kMemories = `{
+    const {instantiate} = WebAssembly, memories = [];
+    WebAssembly.instantiate = async (...words) => {
+        const instance = await instantiate(...words);
+        memories.push(instance.exports.memory);
+        return instance;
+    };
+    self.memoryBytes = () => memories.reduce((sum, {buffer}) => sum + buffer.byteLength, 0);
+}`;
+// What the page and its workers hold, once all that nobody holds is gone.
+async function held(words, devTools) {
+    const all = {heap: 0, buffers: 0, memories: 0}, {sessionId: page} = await devTools.page();
+    for (const session of [page, ...await devTools.workers()]) {
+        const call = (method, params) => devTools.call(method, params, session);
+        all.memories += (await call('Runtime.evaluate', {expression: 'memoryBytes()'})).result.value;
+        for (let i = 0; i < 3; ++i) await call('HeapProfiler.collectGarbage');
+        const {usedSize, backingStorageSize} = await call('Runtime.getHeapUsage');
+        all.heap += usedSize;
+        all.buffers += backingStorageSize;
+    }
+    const {nodes, jsEventListeners: listeners} = await devTools.call('Memory.getDOMCounters', {}, page);
+    return JSON.stringify({...all, nodes, listeners});
 }
+
+const sent = {'/stream.nvs': fs.readFileSync(stream), '/memories.js': kMemories,
+              '/worker.js': `import './memories.js';\n${fs.readFileSync(path.join(built, 'worker.js'))}`};
+const {results} = await resultsOf({page: `/test/growth.html?minutes=${minutes}`, roots: [['/test/', here], ['/', built]], sent,
+                                   answers: {'/held': held}, most_s: 60 * minutes + 240});
+const wrong = results.problem ? [results.problem] : [];
+const counts = results.counts ?? [], late = counts.filter(({seconds}) => seconds > kWarm_s), third = Math.ceil(late.length / 3);
+if (late.length < kLeastCounts) wrong.push(`${late.length} counts after ${kWarm_s} s are too few; MINUTES must be at least 3`);
+for (const [name, most] of Object.entries(late.length < kLeastCounts ? {} : kMostMore)) {
+    const medianOf = part => part.map(count => count[name]).sort((a, b) => a - b)[part.length >> 1];
+    const before = medianOf(late.slice(0, third)), after = medianOf(late.slice(-third));
+    console.log(`${name}: ${before} at first, ${after} in the last third; ${counts.map(count => count[name]).join(' ')}`);
+    if (after > before + most) wrong.push(`${name} grow from ${before} to ${after}`);
+}
+console.log(`${counts.at(-1)?.frames} times shown`);
+if (counts.some(({textures}) => textures > kMostTextures)) wrong.push('textures are left');
+if (counts.some(({frames}, i) => i > 0 && frames <= counts[i - 1].frames)) wrong.push('nothing was played');
 for (const text of wrong) console.error(`wrong: ${text}`);
 process.exit(wrong.length > 0 ? 1 : 0);

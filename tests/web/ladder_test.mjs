@@ -81,4 +81,8 @@ test('requests at the same time count once, and pauses not at all', () => {
         rate.end();
     }
     assert(Math.abs(rate.perSecond - 20000) < 1000, `${rate.perSecond}: what is old is forgotten`);
+    rate.begin();
+    now += 3600000;  // the page sleeps
+    rate.end();
+    assert(rate.perSecond > 3000, `${rate.perSecond} after an hour of sleep`);
 });

@@ -7,12 +7,11 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
-import {serving} from './browser.mjs';
-import {openedPage} from './devtools.mjs';
+import {serving, started} from './browser.mjs';
 import {programWith} from './modules.mjs';
-import {tone} from './tone.mjs';
+import {tone} from './streams.mjs';
 
-const kPatience_ms = 20000;
+const kPatience_ms = 20000, kMost_ms = 120000;
 const [neuvv, built, stream] = process.argv.slice(2);
 if (!fs.existsSync(path.join(built, 'one_file.html'))) {
     console.log('skipped: esbuild is not installed (apt-get install esbuild)');
@@ -66,6 +65,36 @@ async function agree(one, other) {
     for (const begin = Date.now(); Date.now() - begin < kPatience_ms;)
         if (await pictureOf(one) === await pictureOf(other)) return true;
     return false;
+}
+
+// {call, evaluate, requests, end}. `script` runs in the page before its own; `requests`: addresses that it has asked for.
+async function openedPage(url, script) {
+    const {browser, devTools, log, end} = started(['--window-size=400,400', 'about:blank']);
+    const {sessionId} = await devTools.page(), call = (method, params) => devTools.call(method, params, sessionId), requests = [];
+    const ended = problem => () => {
+        console.error(`wrong: ${url}: ${problem}\n${log()}`);
+        process.exit(1);
+    };
+    const timer = setTimeout(ended('nothing came'), kMost_ms), fail = ended('chromium has ended');
+    browser.on('exit', fail);
+    // What a function of the page returns, as JSON.
+    const evaluate = async (run, ...values) => {
+        const expression = `(${run})(${values.map(value => JSON.stringify(value)).join()})`;
+        const {result, exceptionDetails} = await call('Runtime.evaluate', {expression, awaitPromise: true, returnByValue: true});
+        if (exceptionDetails) throw new Error(`${url}: ${exceptionDetails.exception?.description ?? exceptionDetails.text}`);
+        return result.value;
+    };
+    const loaded = new Promise(resolve => devTools.listen('Page.loadEventFired', resolve));
+    devTools.listen('Network.requestWillBeSent', ({request}) => requests.push(request.url));
+    await call('Page.enable');
+    await call('Network.enable');
+    await call('Page.addScriptToEvaluateOnNewDocument', {source: `(${script})()`});
+    await Promise.all([loaded, call('Page.navigate', {url})]);
+    return {call, evaluate, requests, end: () => {
+        clearTimeout(timer);
+        browser.off('exit', fail);
+        return end();
+    }};
 }
 
 const server = await serving({roots: [['/', path.join(folder, 'published')]]});

@@ -7,7 +7,7 @@ import os from 'node:os';
 import path from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {resultsOf} from './browser.mjs';
-import {tone} from './tone.mjs';
+import {tone} from './streams.mjs';
 
 const kAngle = 0.6, kLeast_db = 45, kLeastSmall_db = 20, kMostFirst_bytes = 120e3;
 const [neuvv, built, stream, given, size = '320x240'] = process.argv.slice(2);

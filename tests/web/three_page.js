@@ -277,6 +277,14 @@ async function playRing() {
     stage.dispose();
 }
 
+// A glTF that cannot be read leaves no stream open: none of its own is asked for.
+async function readBroken() {
+    const load = new GLTFLoader().register(parser => new NeuvvPerformerExtension(parser)).loadAsync('/views/broken.gltf');
+    const said = await load.then(() => 'nothing', error => error.message);
+    expect(said.includes('nothing.bin'), `a glTF without its set: "${said}"`);
+    await new Promise(resolve => setTimeout(resolve, 300));
+}
+
 // The page of stages itself, and the same without three.js.
 async function openPages() {
     await import('/stage.js');
@@ -297,6 +305,7 @@ try {
     await compareLone();
     await castShadows();
     await playRing();
+    await readBroken();
     await openPages();
     results.warnings = [...new Set(results.warnings)];
 } catch (error) {

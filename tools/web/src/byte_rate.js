@@ -3,6 +3,8 @@
 
 const kOlder = 0.7;     // what was measured before counts after this
 const kLeast_ms = 100;  // of a measurement: as long as the requests of HttpSource take
+// Without a byte for longer, the server stalls or the page has slept, and neither says how fast bytes come.
+const kMostGap_ms = 2000;
 
 export class ByteRate {
     #running = 0; #since = 0; #bytes = 0; #milliseconds = 0; #recentBytes = 0; #recent_ms = 0;
@@ -13,13 +15,14 @@ export class ByteRate {
     begin() {
         if (this.#running++ === 0) this.#since = this.#now();
     }
-    add(bytes) { this.#bytes += bytes; }
+    add(bytes) {
+        this.#pass();
+        this.#bytes += bytes;
+    }
     /** A request ends, answered or not. */
     end() {
-        const now = this.#now();
+        this.#pass();
         --this.#running;
-        this.#milliseconds += now - this.#since;
-        this.#since = now;
         if (this.#milliseconds < kLeast_ms) return;
         this.#recentBytes = kOlder * this.#recentBytes + this.#bytes;
         this.#recent_ms = kOlder * this.#recent_ms + this.#milliseconds;
@@ -27,8 +30,13 @@ export class ByteRate {
     }
     /** 0 where nobody knows yet. */
     get perSecond() {
-        const open_ms = this.#running > 0 ? this.#now() - this.#since : 0;
-        const milliseconds = this.#recent_ms + this.#milliseconds + open_ms;
+        const milliseconds = this.#recent_ms + this.#milliseconds + (this.#running > 0 ? this.#gap_ms() : 0);
         return milliseconds > 0 ? 1000 * (this.#recentBytes + this.#bytes) / milliseconds : 0;
+    }
+
+    #gap_ms() { return Math.min(this.#now() - this.#since, kMostGap_ms); }
+    #pass() {
+        this.#milliseconds += this.#gap_ms();
+        this.#since = this.#now();
     }
 }

@@ -8,16 +8,23 @@ const kShort_s = 10;
 const kPause = 250;  // milliseconds until what has been fetched is shown anew
 
 export const kControlsStyle = `
-.bar { position: absolute; inset: auto 0 0 0; display: flex; gap: .5em; align-items: center; padding: .4em; background: #0008; color: #fff; font: 14px sans-serif; }
+.bar { position: absolute; inset: auto 0 0 0; display: flex; gap: .5em; align-items: center; padding: .4em; background: #0008; color: #fff;
+       font: 14px sans-serif; container-type: inline-size; }
 .bar[hidden], .bar button[hidden], .bar .volume[hidden] { display: none; }
 .bar button { min-width: 2.6em; min-height: 2.2em; background: none; border: 0; color: inherit; cursor: pointer; }
 .bar svg { width: 1.2em; fill: currentColor; vertical-align: middle; }
 .bar .line { flex: 1; min-width: 0; position: relative; height: 2.2em; }
-.bar .line::before { content: ''; position: absolute; top: calc(50% - 3px); width: 100%; height: 6px; border-radius: 3px; background: #fff3; }
-.bar .line span { position: absolute; top: calc(50% - 3px); height: 6px; border-radius: 3px; background: #fff8; }
+.bar .track { position: absolute; inset: calc(50% - 3px) 7px; overflow: hidden; border-radius: 3px; background: #fff3; }
+.bar .track * { position: absolute; height: 100%; }
+.bar .track .held { width: 100%; }
+.bar .track span { background: #fff6; }
+.bar .track .played { background: #fff; }
 .bar .line input { position: absolute; width: 100%; height: 100%; margin: 0; appearance: none; background: none; cursor: pointer; }
 .bar .line input::-webkit-slider-thumb { appearance: none; width: 14px; height: 14px; border-radius: 7px; background: #fff; }
-.bar .volume { width: 5em; }`;
+.bar .clock { white-space: nowrap; }
+.bar .volume { width: 5em; min-width: 0; }
+@container (max-width: 30em) { .bar .volume { display: none; } }
+@container (max-width: 22em) { .bar .clock { display: none; } }`;
 
 // Of a stream of so many seconds; tenths where it is short.
 function minutes(seconds, duration) {
@@ -26,7 +33,7 @@ function minutes(seconds, duration) {
 }
 
 export class Controls {
-    #player; #bar; #play; #line; #held; #clock; #mute; #volume; #told = ''; #shownAt = 0;
+    #player; #bar; #play; #line; #held; #played; #clock; #mute; #volume; #told = ''; #shownAt = 0;
 
     /** Adds itself to a parent. `fillScreen`: is called by its button. `say`: shows a line, or none where it is empty. */
     constructor(player, parent, fillScreen, say) {
@@ -34,12 +41,13 @@ export class Controls {
         const add = (to, name, properties = {}) => to.appendChild(Object.assign(document.createElement(name), properties));
         this.#bar = add(parent, 'div', {className: 'bar', hidden: true});
         this.#play = this.#button(() => player.paused ? player.play().catch(() => {}) : player.pause());
-        const line = add(this.#bar, 'div', {className: 'line'});
-        this.#held = add(line, 'div');
+        const line = add(this.#bar, 'div', {className: 'line'}), track = add(line, 'div', {className: 'track'});
+        this.#held = add(track, 'div', {className: 'held'});
+        this.#played = add(track, 'div', {className: 'played'});
         this.#line = add(line, 'input', {type: 'range', min: 0, max: 1, step: 'any', value: 0,
                                          oninput: () => { player.currentTime = Number(this.#line.value); }});
         this.#line.setAttribute('aria-label', 'time');
-        this.#clock = add(this.#bar, 'span');
+        this.#clock = add(this.#bar, 'span', {className: 'clock'});
         this.#mute = this.#button(() => player.muted = !player.muted);
         this.#volume = add(this.#bar, 'input', {type: 'range', className: 'volume', min: 0, max: 1, step: 0.05,
                                                 oninput: () => { player.volume = Number(this.#volume.value); }});
@@ -93,6 +101,7 @@ export class Controls {
         this.#volume.value = player.volume;
         this.#line.max = player.duration || 1;
         this.#line.value = player.currentTime;
+        this.#played.style.width = `${100 * player.currentTime / (player.duration || 1)}%`;
         const clock = player.readyState > 0 ? `${minutes(player.currentTime, player.duration)} / ${minutes(player.duration, player.duration)}` : '';
         this.#line.setAttribute('aria-valuetext', clock);
         if (this.#clock.textContent !== clock) this.#clock.textContent = clock;

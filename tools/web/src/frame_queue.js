@@ -3,11 +3,13 @@
 import {kBeginnings, kParts} from './nvs.js';
 
 const kAhead = 4, kMostAhead = 6;  // frames that are asked for before they are due; at most, where they take long to come
+const kAsleep_ms = 1000;           // who has not asked for longer is hidden or sleeps: what comes then says nothing of later
 const kStands_ms = 250;            // what is shown for longer is read as a whole: it may stand still for some time yet
 
 export class FrameQueue {
     #reader; #asked = new Map(); #count = 0;
     #due = []; #since = 0;  // when the first that is due was there
+    #followedAt = 0;
     #shown = {frame: -1, partCount: 0, number: -1};
     /** `reader`: a FrameReader, or what is like one. */
     constructor(reader) { this.#reader = reader; }
@@ -27,6 +29,7 @@ export class FrameQueue {
         const [first] = due, goesOn = this.#due.includes(first) && !seeks;
         if (first !== this.#due[0] || !this.has(first) || waits) this.#since = now_ms;
         this.#due = [...new Set(due)];
+        this.#followedAt = performance.now();
         for (const [frame, one] of this.#asked) {
             if (this.#due.includes(frame) || (goesOn && one.number > this.#shown.number && !one.error)) continue;
             this.#asked.delete(frame);
@@ -56,6 +59,7 @@ export class FrameQueue {
     }
     /** Those that could not be read are asked for again. */
     tryAgain() {
+        this.#reader.tryAgain();
         for (const [frame, one] of this.#asked)
             if (one.error) this.#asked.delete(frame);
     }
@@ -75,8 +79,9 @@ export class FrameQueue {
         const one = {frame, partCount, number: this.#count++, tree: null, error: null, stop: new AbortController()};
         this.#asked.set(frame, one);
         this.#reader.tree(frame, partCount, one.stop.signal, this).then(tree => {
+            const now = performance.now();
             one.tree = tree;
-            if (inTime) this.#reader.learnArrival((performance.now() - now_ms) / 1000);
+            if (inTime && now - this.#followedAt < kAsleep_ms) this.#reader.learnArrival((now - now_ms) / 1000);
         }, error => one.error = error);
     }
 }

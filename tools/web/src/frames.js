@@ -81,11 +81,6 @@ function joined(all) {
     return bytes;
 }
 
-function expectWhole(bytes, crc) {
-    if (crc32(bytes) !== crc) throw new StreamError('a part of the stream is damaged');
-    return bytes;
-}
-
 export class FrameReader {
     #source; #inflated = new Map(); #decoders = []; #pace = null; #readsAhead = false; #budget = 0;
     #mostParts = kParts;  // that are needed, where there is a budget
@@ -144,6 +139,8 @@ export class FrameReader {
     get lead_s() { return this.#pace?.lead() ?? 0; }
     /** What is read ahead for one of those who read from it, in place of what was before. */
     readsAheadFor(user, ranges) { this.#source.readAhead(user, ranges); }
+    /** Asks the server again, which has been given up. */
+    tryAgain() { this.#source.tryAgain(); }
     /** Whether the bytes of a frame have come, of as many parts as are shown at least. */
     isFetched(frame) { return this.frames[frame].parts.slice(0, kLeastParts).every(({begin, bytes}) => this.#source.has(begin, bytes)); }
     end() {
@@ -200,10 +197,20 @@ export class FrameReader {
             if (i === frame) return {...answer.tree, times};
         }
     }
+    // Bytes of the file, as the head says that they are.
+    async #read({begin, bytes, crc}, signal = null) {
+        const read = await this.#source.read(begin, bytes, signal);
+        if (crc32(read) !== crc) this.#refuse(begin, bytes);
+        return read;
+    }
+    #refuse(begin, bytes) {
+        this.#source.forget(begin, bytes);
+        throw new StreamError('a part of the stream is damaged');
+    }
     // The tables of a group, inflated. Those of the last few groups are kept.
     #tables(group) {
         if (!this.#inflated.has(group)) {
-            const one = this.#source.read(group.tables.begin, group.tables.bytes).then(bytes => inflated(expectWhole(bytes, group.tables.crc)));
+            const one = this.#read(group.tables).then(inflated);
             one.catch(() => this.#inflated.delete(group));  // they may come when they are asked for again
             this.#inflated.set(group, one);
         }
@@ -216,7 +223,7 @@ export class FrameReader {
     // The coarse part of a frame as far as its streams shall be there: their lengths, then the same share of each.
     async #beginnings({begin, bytes}, signal) {
         const all = new Uint32Array((await this.#source.read(begin, 4 * kCoarsePlanes, signal)).buffer);
-        if (all.reduce((sum, length) => sum + length, 4 * kCoarsePlanes) !== bytes) throw new StreamError('a part of the stream is damaged');
+        if (all.reduce((sum, length) => sum + length, 4 * kCoarsePlanes) !== bytes) this.#refuse(begin, bytes);
         const lengths = all.map(length => 2 * Math.ceil(length * kFirstBytes / bytes / 2)), result = [new Uint8Array(lengths.buffer)];
         let at = begin + 4 * kCoarsePlanes;
         for (const [plane, length] of all.entries()) {
@@ -227,7 +234,7 @@ export class FrameReader {
     }
     async #fetched(number, partCount, signal) {
         const {group, isKey, parts} = this.frames[number];
-        const reads = parts.slice(0, partCount).map(async ({begin, bytes, crc}) => expectWhole(await this.#source.read(begin, bytes, signal), crc));
+        const reads = parts.slice(0, partCount).map(part => this.#read(part, signal));
         if (partCount === kBeginnings) reads.push(this.#beginnings(parts[1], signal));
         const [tables, ...read] = await Promise.all([this.#tables(group), ...reads]);
         const bytes = joined(read), sizes = read.map(one => one.length);

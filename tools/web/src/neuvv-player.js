@@ -19,7 +19,7 @@ canvas, .poster { width: 100%; height: 100%; display: block; }
 canvas { cursor: grab; outline-offset: -2px; }
 .poster { position: absolute; inset: 0; object-fit: contain; pointer-events: none; }
 .poster[hidden], .problem:empty { display: none; }
-.problem { position: absolute; inset: 40% 10% auto; padding: .8em; text-align: center; background: #000c; color: #fff; font: 15px sans-serif; }`;
+.problem { position: absolute; inset: 45% 10% auto; translate: 0 -50%; padding: .8em; text-align: center; overflow-wrap: anywhere; background: #000c; color: #fff; font: 15px sans-serif; }`;
 
 export class NeuvvPlayer extends playing(HTMLElement) {
     static observedAttributes = ['src', 'sound', 'budget', 'controls', 'poster', 'muted'];

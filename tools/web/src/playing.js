@@ -23,6 +23,7 @@ export const playing = Base => class extends Base {
     #seeking = false; #hasData = false; #isWaiting = false; #ended = false;
     #start_s = 0;     // where a stream that is opened begins
     #starting = [];   // promises of play()
+    #wanted = null;   // what open() was told last
     #sound = new Sound(() => this.#tell('volumechange'));
     /** What was wrong last: an Error, or null. */
     error = null;
@@ -47,6 +48,7 @@ export const playing = Base => class extends Base {
     set currentTime(seconds) {
         if (!Number.isFinite(seconds)) throw new TypeError('currentTime must be a number of seconds');
         if (!this.#reader) return void (this.#start_s = Math.max(0, seconds));
+        this.#queue.tryAgain();
         this.#time = Math.max(0, Math.min(seconds, this.#end()));
         this.#seeking = true;
         this.#ended = false;
@@ -86,7 +88,7 @@ export const playing = Base => class extends Base {
     get box() { return this.#reader?.box ?? null; }
 
     /**
-     * Frames that could not be read are asked for again. Returns a promise, as HTMLMediaElement's does: it resolves when the
+     * What could not be read is asked for again. Returns a promise, as HTMLMediaElement's does: it resolves when the
      * stream plays, and rejects where it is paused or cannot be read before.
      */
     play() {
@@ -96,7 +98,8 @@ export const playing = Base => class extends Base {
     }
     #begin() {
         this.#queue?.tryAgain();
-        if (this.#reader) this.error = null;
+        if (this.error && this.#wanted && !this.#reader) this.open(...this.#wanted);
+        if (this.#wanted) this.error = null;
         if (this.#time >= this.#end() && !this.loop) this.#time = 0;
         this.#paused = this.#ended = false;
         this.#isWaiting = true;  // `playing` comes with the first frame
@@ -125,6 +128,7 @@ export const playing = Base => class extends Base {
         if (this.#reader) this.close();
         const opening = ++this.#opening;
         this.#isOpening = true;
+        this.#wanted = [url, soundUrl];
         try {
             const {reader, letGo} = await openShared(url, budget);
             if (opening !== this.#opening) return letGo();
@@ -149,7 +153,7 @@ export const playing = Base => class extends Base {
         ++this.#opening;  // what is being opened is dropped when it is there
         this.#queue?.clear();
         this.#letGo?.();
-        this.#reader = this.#queue = this.#letGo = null;
+        this.#reader = this.#queue = this.#letGo = this.#wanted = null;
         this.#sound.end();
         this.#told = -1;
         this.#time = 0;

@@ -11,13 +11,17 @@ const kMostRequests = 2;
 const kRequestAhead_s = 0.25, kLeastOfARequest = 16, kMostOfARequest = 256;
 const kTries = 4, kPatience_ms = 15000, kPause_ms = 500;
 
-const later = milliseconds => new Promise(resolve => setTimeout(resolve, milliseconds));
+const later = (milliseconds, signal) => new Promise(resolve => {
+    setTimeout(resolve, milliseconds);
+    signal.addEventListener('abort', resolve);
+});
 const isPassing = status => status === 429 || status >= 500;
 
-/** Reads ranges of a file in blocks of 4 KiB, of which it keeps 64 MiB. A request that fails is made four times. */
+/** Reads ranges of a file in blocks of 4 KiB, of which it keeps 64 MiB. A request that brings nothing is made four times. */
 export class RangeSource {
-    #url; #blocks = new Map(); #requests = new Set(); #isCancelled = false; #rate = new ByteRate();
+    #url; #blocks = new Map(); #requests = new Set(); #problem = null; #rate = new ByteRate();
     #ahead = new Map();  // ranges of blocks, by whom they are for
+    #cache = 'default';  // as fetch() has it
     size = Infinity;  // of the file, where its server says so
     constructor(url) { this.#url = url; }
 
@@ -31,7 +35,10 @@ export class RangeSource {
         const result = new Uint8Array(bytes);
         for (const [i, from] of (await this.#awaited(this.#request(first, last), signal)).entries()) {
             const at = (first + i) * kBlock, end = Math.min(begin + bytes - at, kBlock);
-            if (from.length < end) throw new StreamError('the file ends early');
+            if (from.length < end) {
+                this.forget(at, end);
+                throw new StreamError('the file ends early');
+            }
             result.set(from.subarray(Math.max(begin - at, 0), end), Math.max(at - begin, 0));
         }
         return result;
@@ -56,13 +63,18 @@ export class RangeSource {
             if (!this.#blocks.get(block)?.isThere) return false;
         return true;
     }
+    /** What was read of [begin, begin + bytes) is wrong, perhaps also where the browser keeps it: it is not kept. */
+    forget(begin, bytes) {
+        for (let block = Math.floor(begin / kBlock); block * kBlock < begin + bytes; ++block) this.#blocks.delete(block);
+        this.#cache = 'reload';
+    }
     /** The first bytes, at most 4 KiB. */
     begin() { return this.#request(0, 0)[0].bytes; }
     cancel() {
-        this.#isCancelled = true;
-        for (const request of this.#requests) request.stop.abort();
-        this.#goOn();
+        this.#stop(new StreamError('the player has ended'));
     }
+    /** Asks the server again, which has been given up. */
+    tryAgain() { this.#problem = null; }
 
     // Of requests for which nobody waits any more, those that are not answered end with the signal.
     #awaited(blocks, signal) {
@@ -83,6 +95,12 @@ export class RangeSource {
             all.then(resolve, reject).finally(() => signal.removeEventListener('abort', abort));
         });
     }
+    // All that waits ends with the problem, and what is asked for from now on.
+    #stop(problem) {
+        this.#problem = problem;
+        for (const request of this.#requests) request.stop.abort();
+        this.#goOn();
+    }
     // Lets the next requests begin, and where none waits, asks for what is read ahead.
     #goOn() {
         let running = 0;
@@ -91,7 +109,7 @@ export class RangeSource {
         const most = Math.min(Math.max(kLeastOfARequest, Math.floor(kRequestAhead_s * this.bytesPerSecond / kBlock)), kMostOfARequest);
         for (const range of [...this.#ahead.values()].flat())
             for (; range.first < range.end; ++range.first) {
-                if (this.#requests.size >= kMostRequests || this.#isCancelled) return;
+                if (this.#requests.size >= kMostRequests || this.#problem) return;
                 if (!this.#blocks.has(range.first)) this.#begin(range.first, Math.min(range.end, range.first + most));
             }
     }
@@ -136,47 +154,52 @@ export class RangeSource {
             this.#blocks.set(i, one);
         }
     }
-    // Those from `begin` to before `end` that the file has.
+    // Those from `begin` to before `end` that the file has. What has come is kept; tries in a row that bring nothing are counted.
     async #fetched(begin, end, signal) {
         const result = new Uint8Array(end - begin);
-        let filled = 0;
+        let filled = 0, tries = 0;
         while (filled < result.length && begin + filled < this.size) {
-            const piece = await this.#tried(begin + filled, end, signal);
-            if (piece.length === 0) break;
-            result.set(piece.subarray(0, result.length - filled), filled);
-            filled += piece.length;
-        }
-        return result.subarray(0, Math.min(filled, result.length));
-    }
-    async #tried(begin, end, signal) {
-        for (let left = kTries - 1;; --left) {
+            const before = filled;
+            if (this.#problem) throw this.#problem;
             try {
-                return await this.#fetchedOnce(begin, end, signal);
+                await this.#fetchedOnce(begin + filled, end, signal, piece => {
+                    result.set(piece, filled);
+                    filled += piece.length;
+                });
+                if (filled === before && this.size < Infinity) throw new StreamError('the server sends less than it has');
+                if (filled === before) break;
             } catch (error) {
-                if (signal.aborted || this.#isCancelled || left === 0 || error.isFinal) throw error;
-                await later(kPause_ms * (kTries - left));
+                if (signal.aborted || error.isFinal) throw this.#problem ?? error;
+                tries = filled > before ? 1 : tries + 1;
+                if (tries === kTries) {
+                    this.#stop(new StreamError(`${error.message}; press play to try again`));
+                    throw this.#problem;
+                }
+                await later(kPause_ms * tries, signal);
             }
         }
+        return result.subarray(0, filled);
     }
-    // What the server sends of a range: all of it, or its beginning. The server may pause for so long, but no longer.
-    async #fetchedOnce(begin, end, signal) {
-        if (this.#isCancelled) throw new StreamError('the player has ended');
+    // Hands on what the server sends of a range: all of it, or its beginning. It may pause for so long, but no longer.
+    async #fetchedOnce(begin, end, signal, take) {
         const stop = new AbortController(), abort = () => stop.abort();
         let timer = setTimeout(abort, kPatience_ms);
         signal.addEventListener('abort', abort);
         if (signal.aborted) abort();
         this.#rate.begin();
         try {
-            const answer = await fetch(this.#url, {headers: {Range: `bytes=${begin}-${end - 1}`}, signal: stop.signal});
-            if (answer.status === 416) return new Uint8Array(0);
+            const answer = await fetch(this.#url, {headers: {Range: `bytes=${begin}-${end - 1}`}, signal: stop.signal, cache: this.#cache});
+            if (answer.status === 416) return;
             if (answer.status === 206)
-                return await this.#bytesOf(answer, begin, end, () => {
+                return await this.#takePieces(answer, begin, end, piece => {
                     clearTimeout(timer);
                     timer = setTimeout(abort, kPatience_ms);
+                    take(piece);
                 });
             answer.body?.cancel();
             const problem = answer.status === 200 ? 'the server does not answer requests for ranges of bytes' : `the server answers ${answer.status}`;
-            throw Object.assign(new StreamError(problem), {isFinal: !isPassing(answer.status)});
+            const mayPass = isPassing(answer.status) || (answer.status === 200 && this.size < Infinity);  // it has answered them
+            throw Object.assign(new StreamError(problem), {isFinal: !mayPass});
         } catch (error) {
             if (error instanceof StreamError) throw error;
             throw new StreamError(stop.signal.aborted ? 'the server does not answer'
@@ -187,24 +210,31 @@ export class RangeSource {
             signal.removeEventListener('abort', abort);
         }
     }
-    async #bytesOf(answer, begin, end, onPiece) {
+    async #takePieces(answer, begin, end, take) {
         const said = /^bytes (\d+)-\d+\/(\d+)$/.exec(answer.headers.get('Content-Range') ?? '');  // servers need not expose it
-        if (said && Number(said[1]) !== begin) throw Object.assign(new StreamError('the server sends other bytes than asked for'), {isFinal: true});
+        const problem = said && this.#problemOf(Number(said[1]) - begin, Number(said[2]));
+        if (problem) {
+            answer.body.cancel();
+            throw new StreamError(problem);
+        }
         if (said) this.size = Number(said[2]);
-        const result = new Uint8Array(end - begin);
-        let filled = 0;
+        let left = end - begin;
         for (const reader = answer.body.getReader();;) {
             const {done, value} = await reader.read();
-            if (done) return result.subarray(0, filled);
-            onPiece();
+            if (done) return;
             this.#rate.add(value.length);
-            if (filled + value.length > result.length) {
+            if (value.length > left) {
                 reader.cancel();
-                throw Object.assign(new StreamError('the server sends more bytes than asked for'), {isFinal: true});
+                throw new StreamError('the server sends more bytes than asked for');
             }
-            result.set(value, filled);
-            filled += value.length;
+            left -= value.length;
+            take(value);
         }
+    }
+    // Of a range that begins so much after the one that was asked for, of a file of so many bytes.
+    #problemOf(after, size) {
+        if (after !== 0) return 'the server sends other bytes than asked for';
+        return this.size !== Infinity && this.size !== size ? 'the server has another file now' : '';
     }
 }
 
@@ -221,6 +251,8 @@ class BlobSource {
     }
     readAhead() {}
     has() { return true; }
+    forget() {}
+    tryAgain() {}
     begin() { return this.read(0, Math.min(this.size, kBlock)); }
     cancel() {}
 }

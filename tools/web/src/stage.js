@@ -69,13 +69,22 @@ function addControls(stage, renderer) {
 }
 
 async function begin() {
-    const all = await libraries(), {GLTFLoader, OrbitControls, NeuvvPerformerExtension} = all;
+    const all = await libraries(), {GLTFLoader, NeuvvPerformerExtension} = all;
     const src = new URLSearchParams(location.search).get('src') || 'show.glb';
     if (/\.nvs$/i.test(src)) throw new Error(`${src} is a stream, no stage: index.html?src=${src} plays it`);
     const gltf = await new GLTFLoader().register(parser => new NeuvvPerformerExtension(parser)).loadAsync(src)
         .catch(error => { throw new Error(`${src}: ${error.message}`); });
+    try {
+        show(all, gltf);
+    } catch (error) {
+        gltf.userData.stage.dispose();  // which ends its streams
+        throw error;
+    }
+}
+
+function show(all, gltf) {
     const renderer = makeRenderer(all), scene = new all.three.Scene().add(gltf.scene), {stage} = gltf.userData, {camera, target} = view(all, gltf);
-    const orbit = new OrbitControls(camera, renderer.domElement);
+    const orbit = new all.OrbitControls(camera, renderer.domElement);
     orbit.target.copy(target);
     scene.background = stage.background;
     const resize = () => {

@@ -20,6 +20,7 @@ const colourOf = value => Array.isArray(value) && value.length === 3 && value.ev
 export class NeuvvPerformerExtension {
     name = kPerformer;
     #parser; #performers = []; #omitted = []; #settings;
+    #opening = [];  // opens the streams when all else is there: a glTF that cannot be read leaves none open
 
     constructor(parser) {
         const {json} = parser;
@@ -37,10 +38,14 @@ export class NeuvvPerformerExtension {
     }
     createNodeAttachment(index) {
         const node = this.#parser.json.nodes[index], settings = node.extensions?.[kPerformer];
-        return settings ? Promise.resolve(this.#performer(members(settings), node.name ?? `node ${index}`)) : null;
+        if (!settings) return null;
+        const group = new Group();  // it turns with the node, and the mesh in it by its own spin
+        this.#opening.push(() => this.#addPerformer(group, members(settings), node.name ?? `node ${index}`));
+        return Promise.resolve(group);
     }
     async afterRoot(gltf) {
         const settings = this.#settings;
+        for (const open of this.#opening) open();
         this.#light(gltf.scene);
         for (const name of ['environment', 'cameraPath'])
             if (settings[name]) this.#omitted.push(`the stage's ${name}`);
@@ -49,12 +54,11 @@ export class NeuvvPerformerExtension {
         if (this.#omitted.length > 0) console.warn(`NeuVV: a browser does not show ${this.#omitted.join('; ')}`);
     }
 
-    // The group turns with the node, and the mesh in it by its own spin.
-    #performer(settings, name) {
-        const group = new Group(), uri = settings.uri;
+    #addPerformer(group, settings, name) {
+        const uri = settings.uri;
         if (typeof uri !== 'string' || !/\.nvs$/i.test(uri)) {
             this.#omitted.push(`${uri} of "${name}" (neuvv publish makes a .nvs of a .nvv)`);
-            return group;
+            return;
         }
         if (settings.paint?.length > 0) this.#omitted.push(`the paint of "${name}"`);
         const urlOf = one => typeof one === 'string' ? LoaderUtils.resolveURL(one, this.#parser.options.path) : null;
@@ -65,7 +69,7 @@ export class NeuvvPerformerExtension {
         mesh.opacity = Math.max(0, Math.min(numberOr(settings.opacity, 1), 1));
         const gain = Math.min(1, 10 ** (numberOr(sound.gain, 0) / 20));  // a page makes no sound louder than its file
         this.#performers.push({name, mesh, gain, time: settings.time ?? [], spin_deg: numberOr(settings.spin, 0)});
-        return group.add(mesh);
+        group.add(mesh);
     }
     // Ambient light, and the shadows of performers on the set.
     #light(scene) {
