@@ -1,6 +1,6 @@
 // A player that is hidden while it plays, and shown again.
 
-const kHidden_s = 4, kSleep_s = 3;
+const kHidden_s = 3, kSleep_s = 3, kQuiet_s = 1, kMostWork_s = 5;
 const kMostOff_s = 0.4;  // of the time, after it is shown again
 
 const results = {wrong: [], counts: {}};
@@ -43,13 +43,22 @@ async function whileVisible(seconds) {
     return {...others, frames: shown / kTextures / seconds};  // a second
 }
 
+// What was asked for before comes to its end.
+async function quiet() {
+    for (const begin = performance.now(); performance.now() - begin < 1000 * kMostWork_s;) {
+        const before = counts.requests + counts.decoded;
+        await later(kQuiet_s);
+        if (counts.requests + counts.decoded === before) return;
+    }
+}
+
 // While it is hidden, the time stands still, with its sound, and nothing is fetched or decoded in the end.
 async function hide(player) {
     await post('/hide');
     expect(document.hidden, 'the page is not hidden');
-    await later(kHidden_s / 3);
+    await quiet();
     const before = {...counts}, [sound] = sounds, heard = sound.currentTime;
-    await later(2 * kHidden_s / 3);
+    await later(kHidden_s);
     results.counts.hidden = since(before);
     expect(Object.values(results.counts.hidden).every(value => value === 0), 'a hidden player works');
     expect(sound.paused && sound.currentTime === heard, 'a hidden player sounds');

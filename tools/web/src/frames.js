@@ -222,12 +222,12 @@ export class FrameReader {
     }
     // The coarse part of a frame as far as its streams shall be there: their lengths, then the same share of each.
     async #beginnings({begin, bytes}, signal) {
-        const all = new Uint32Array((await this.#source.read(begin, 4 * kCoarsePlanes, signal)).buffer);
+        const all = new Uint32Array((await this.#source.read(begin, 4 * kCoarsePlanes, signal, true)).buffer);
         if (all.reduce((sum, length) => sum + length, 4 * kCoarsePlanes) !== bytes) this.#refuse(begin, bytes);
         const lengths = all.map(length => 2 * Math.ceil(length * kFirstBytes / bytes / 2)), result = [new Uint8Array(lengths.buffer)];
         let at = begin + 4 * kCoarsePlanes;
         for (const [plane, length] of all.entries()) {
-            result.push(this.#source.read(at, Math.min(lengths[plane], length), signal));
+            result.push(this.#source.read(at, Math.min(lengths[plane], length), signal, true));
             at += length;
         }
         return joined(await Promise.all(result));

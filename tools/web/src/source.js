@@ -3,6 +3,7 @@ import {ByteRate} from './byte_rate.js';
 import {StreamError} from './nvs.js';
 
 const kBlock = 1 << 12, kMostKept = 16384;  // bytes; blocks
+const kRun = 4;                             // blocks that are asked for together, where nothing else is said
 // Two requests at the same time, in their order: the server is always asked for something, and what is needed later
 // slows down others little.
 const kMostRequests = 2;
@@ -27,13 +28,16 @@ export class RangeSource {
 
     /** As bytes come from the server; 0 where nobody knows yet, below 0 where they are here. */
     get bytesPerSecond() { return this.#rate.perSecond; }
-    /** A Uint8Array of [begin, begin + bytes). Throws StreamError, and what the signal says where it aborts. */
-    async read(begin, bytes, signal = null) {
+    /**
+     * A Uint8Array of [begin, begin + bytes). Throws StreamError, and what the signal says where it aborts. `isAlone`: what lies
+     * around it is not needed.
+     */
+    async read(begin, bytes, signal = null, isAlone = false) {
         signal?.throwIfAborted();
         if (bytes === 0) return new Uint8Array(0);
         const first = Math.floor(begin / kBlock), last = Math.floor((begin + bytes - 1) / kBlock);
         const result = new Uint8Array(bytes);
-        for (const [i, from] of (await this.#awaited(this.#request(first, last), signal)).entries()) {
+        for (const [i, from] of (await this.#awaited(this.#request(first, last, isAlone), signal)).entries()) {
             const at = (first + i) * kBlock, end = Math.min(begin + bytes - at, kBlock);
             if (from.length < end) {
                 this.forget(at, end);
@@ -63,13 +67,15 @@ export class RangeSource {
             if (!this.#blocks.get(block)?.isThere) return false;
         return true;
     }
-    /** What was read of [begin, begin + bytes) is wrong, perhaps also where the browser keeps it: it is not kept. */
+    /** What was read of [begin, begin + bytes) is wrong, perhaps also where the browser keeps it: none of what came with it is kept. */
     forget(begin, bytes) {
-        for (let block = Math.floor(begin / kBlock); block * kBlock < begin + bytes; ++block) this.#blocks.delete(block);
+        const wrong = new Set();
+        for (let block = Math.floor(begin / kBlock); block * kBlock < begin + bytes; ++block) wrong.add(this.#blocks.get(block)?.request);
+        this.#forgetAll(wrong);
         this.#cache = 'reload';
     }
-    /** The first bytes, at most 4 KiB. */
-    begin() { return this.#request(0, 0)[0].bytes; }
+    /** The first bytes, at most 4 KiB; what is asked for of those behind them comes with them. */
+    begin() { return this.#request(0, 0, false)[0].bytes; }
     cancel() {
         this.#stop(new StreamError('the player has ended'));
     }
@@ -110,21 +116,23 @@ export class RangeSource {
         for (const range of [...this.#ahead.values()].flat())
             for (; range.first < range.end; ++range.first) {
                 if (this.#requests.size >= kMostRequests || this.#problem) return;
-                if (!this.#blocks.has(range.first)) this.#begin(range.first, Math.min(range.end, range.first + most));
+                if (!this.#blocks.has(range.first)) this.#beginRuns(range.first, Math.min(range.end, range.first + most));
             }
+    }
+    #forgetAll(requests) {
+        for (const [block, {request}] of this.#blocks)
+            if (requests.has(request)) this.#blocks.delete(block);
     }
     #drop(request) {
         if (!this.#requests.has(request)) return;  // it is answered
-        for (const [block, one] of this.#blocks)
-            if (one.request === request) this.#blocks.delete(block);
+        this.#forgetAll(new Set([request]));
         request.stop.abort();
         request.begin();  // to its end
     }
     // The blocks, as promises. Asks once for each run of those that are not there, and forgets the oldest others.
-    #request(first, last) {
+    #request(first, last, isAlone) {
         for (let block = first; block <= last; ++block) {
-            if (this.#blocks.has(block)) continue;
-            this.#begin(block, last + 1);
+            if (!this.#blocks.has(block)) isAlone ? this.#begin(block, last + 1) : this.#beginRuns(block, last + 1);
         }
         const wanted = Array.from({length: last - first + 1}, (_, i) => this.#blocks.get(first + i));
         for (const block of this.#blocks.keys()) {
@@ -153,6 +161,11 @@ export class RangeSource {
             });
             this.#blocks.set(i, one);
         }
+    }
+    // The same of the whole runs in which these blocks are.
+    #beginRuns(first, most) {
+        while (first % kRun > 0 && !this.#blocks.has(first - 1)) --first;
+        this.#begin(first, kRun * Math.ceil(most / kRun));
     }
     // Those from `begin` to before `end` that the file has. What has come is kept; tries in a row that bring nothing are counted.
     async #fetched(begin, end, signal) {
