@@ -84,7 +84,7 @@ renderTurned();
 makeRing();
 makeBroken();
 // One of the stages and the player are those that NeuVV has put into a folder for browsers.
-execFileSync(programWith(neuvv, built, folder), ['export', 'lone.gltf', '--as', 'web', '-o', 'published'], {cwd: folder, stdio: 'ignore'});
+execFileSync(programWith(neuvv, built, folder), ['export', 'lone.gltf', '--as', 'web', '-o', 'published'], {cwd: folder, stdio: ['ignore', 'ignore', 'inherit']});
 const published = path.join(folder, 'published'), read = name => fs.readFileSync(path.join(published, name));
 const sent = {'/views/lone.gltf': read('show.glb'), '/views/clip_1.nvs': read('clip_1.nvs')};
 const roots = [['/test/', here], ['/views/', folder], ['/without/stage/', path.join(folder, 'nothing')], ['/without/', built], ['/', published]];
