@@ -227,7 +227,9 @@ TEST_F(CliOneFile, HasStreamAndSound) {
 
 TEST_F(CliOneFile, IsRefusedWhereItCannotBeMade) {
     const size_t before = files();
-    write_text(player / "one_file.html", head + std::string(20'000'000, ' '));
+    std::string spaces;
+    spaces.resize(20'000'000, ' ');
+    write_text(player / "one_file.html", head + spaces);
     expect_refusal(publish_file(stream), 2, {"--web", output, "20.0 MB", "at most 20", "--rate"});
     write_text(player / "one_file.html", "<html><title>NeuVV</title></html>");
     expect_refusal(publish_file(stream), 2, {player.string(), "has no stream"});
