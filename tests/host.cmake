@@ -85,6 +85,8 @@ foreach(part frames player stall hidden looks headset three one_file)
            COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/web/check ${part} $<TARGET_FILE:neuvv> ${player})
   set_tests_properties(web_${part} PROPERTIES LABELS gpu SKIP_RETURN_CODE 77 FIXTURES_REQUIRED web_build)
 endforeach()
+# How soon they go on is compared with the clock.
+set_tests_properties(web_hidden web_stall web_looks PROPERTIES RUN_SERIAL ON)
 
 neuvv_test(media_test HOSTILE
   SOURCES

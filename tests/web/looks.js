@@ -98,7 +98,7 @@ async function lookAtPlayer(width) {
     what = `${width} pixels`;
     await post('/size', {width: width + 2 * kMargin, height: width + 2 * kMargin});
     const player = document.createElement('neuvv-player'), root = player.shadowRoot;
-    Object.assign(player, {controls: true, src: '/stream.nvs'}).style.width = `${width}px`;
+    Object.assign(player, {controls: true, loop: true, src: '/stream.nvs'}).style.width = `${width}px`;
     document.body.append(player);
     const heard = new Promise(resolve => player.addEventListener('volumechange', resolve, {once: true}));
     await Promise.all([event(player, 'loadeddata'), heard]);

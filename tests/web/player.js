@@ -47,7 +47,10 @@ async function compareViews({stream, width, height, angle, views}) {
     for (const view of views) all.push(await compared(reader, view));
     results.views = all.map(({view}) => view);
     results.other_view_db = psnr(all[0].shown, all[1].wanted);
+    const {firstBytes} = FrameReader;
+    FrameReader.firstBytes = Math.min(firstBytes, reader.frames[views[0].frame].parts[1].bytes / 2);
     results.first = (await compared(reader, views[0], kBeginnings)).view;
+    FrameReader.firstBytes = firstBytes;
     results.coarse = (await compared(reader, views[0], kLeastParts)).view;
     reader.end();
     const small = await FrameReader.open(url, 1);

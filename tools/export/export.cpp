@@ -92,7 +92,10 @@ void write_stage(const ExportOptions& options, const StageKind& kind, const Comm
         throw InputError("scene", options.scene, fmt::format("is no stage, of which --as {} is made", kind.name),
                          "make one of a clip: neuvv stage new SHOW.gltf, neuvv stage add SHOW.gltf CLIP");
     if (NumberedPath::parse_output("--output", options.output))
-        throw InputError("--output", options.output, "is one file without a frame's number", "leave the % out");
+        throw InputError(
+            "--output", options.output,
+            kind.endings.empty() ? "is a folder, without a frame's number" : "is one file without a frame's number",
+            "leave the % out");
     nlohmann::ordered_json json = {{"output", options.output}, {"files", 1}, {"bytes", 0}};
     const std::string text = kind.write(options, common, json);
     if (!kind.endings.empty()) json["bytes"] = std::filesystem::file_size(options.output);

@@ -125,11 +125,17 @@ std::vector<std::string> WebStage::files() const {
 
 stage::GlbWriter WebStage::document(const std::filesystem::path& folder) const {
     stage::GlbWriter glb = stage::embedded(file_, folder / kPageStage);
+    for (nlohmann::ordered_json& node : glb.json["nodes"])  // also of nodes that are in no scene
+        if (node.contains("extensions")) node["extensions"].erase(stage::kPerformerExtension);
     for (size_t i = 0; i < performers_.size(); ++i) {
         nlohmann::ordered_json& extensions = glb.json["nodes"][stage_->performers[i].node]["extensions"];
-        extensions.erase(stage::kPerformerExtension);
         if (!performers_[i].is_null()) extensions[stage::kPerformerExtension] = performers_[i];
     }
+    const auto images = glb.json.find("images");
+    for (size_t i = 0; images != glb.json.end() && i < images->size(); ++i)
+        if ((*images)[i].contains("uri"))  // which leads out of the folder
+            throw InputError(stage_->file.path.string(), fmt::format("images/{}", i), "is neither PNG nor JPEG",
+                             "convert it");
     return glb;
 }
 
@@ -163,7 +169,8 @@ std::string write_web_stage(const ExportOptions& options, const CommonOptions& c
     json.update({{"files", page.files().size()}, {"bytes", bytes}, {"page", html}, {"left_out", stage.left_out()}});
     std::string text = stage.summary();
     for (const std::string& what : stage.left_out()) text += "\nleft out: " + what;
-    return fmt::format("{}\n{} plays it from any file server: tools/serve {}", text, html, options.output);
+    return fmt::format("{}\n{} plays it from any file server that answers ranges: tools/serve {}", text, html,
+                       options.output);
 }
 
 }  // namespace neuvv::tools

@@ -132,11 +132,13 @@ void report(const PublishOptions& options, const PublishedScene& scene, const En
         scene.layers.empty() ? "" : fmt::format("; visible layers of paint: {}", scene.layers.size());
     tell("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}{}\n", stream, size_text(published.bytes), frames,
          bytes_per_frame / 1000, mbps, quality, paint);
+    if (scene.stage && !options.web.empty())
+        say("{}: only the clip is in the page; with all of the stage: neuvv export {} --as web\n", page, options.scene);
     if (options.is_one_file())
         tell("{}: {} as one page, which browsers open from the disk, too\n", page,
              size_text(std::filesystem::file_size(page)));
     else if (!options.web.empty())
-        tell("{} plays it from any file server: tools/serve {}\n", page, options.web);
+        tell("{} plays it from any file server that answers ranges: tools/serve {}\n", page, options.web);
 }
 
 void run(const PublishOptions& options, const CommonOptions& common) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -75,6 +76,16 @@ std::string page_of(const WebPlayer& player, const std::string& title, bool has_
     const size_t element = page.find(kElement);
     if (!has_sound && element != std::string::npos) page.insert(element + kElement.size(), " sound=\"\"");
     return page;
+}
+
+// Who names a page or another file does not want a folder of that name.
+void expect_folder_name(const std::string& option, const std::filesystem::path& folder) {
+    std::string ending = folder.extension().string();
+    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    for (const char* other : {".html", ".htm", ".json", ".gltf", ".glb", ".nvs", ".nvv", ".zip", ".mp4"})
+        if (ending == other)
+            throw InputError(option, folder.string(), "has a file's name, and a folder is written",
+                             "leave the ending out; one file: neuvv publish CLIP --web NAME.html");
 }
 
 // A folder without the list of an earlier page must be empty, but for what a run that was killed left there. Beside an
@@ -163,6 +174,7 @@ void write_one_file_page(const std::filesystem::path& output, const WebPlayer& p
 UnfinishedWebPage::UnfinishedWebPage(std::string option, std::filesystem::path folder, WebPlayer player,
                                      const std::vector<std::string>& own)
     : option_(std::move(option)), folder_(std::move(folder)), player_(std::move(player)), names_(player_.files) {
+    expect_folder_name(option_, folder_);
     names_.emplace_back(kPageList);
     names_.insert(names_.end(), own.begin(), own.end());
     prepare_output_folder(option_, folder_);

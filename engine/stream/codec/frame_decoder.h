@@ -41,7 +41,7 @@ using PartBytes = std::array<std::span<const uint8_t>, kParts>;
 struct PlaneStreams {
     Part last = kShape;
     std::vector<std::span<const uint8_t>> coarse, fine;  // by plane
-    bool may_end_early = false;                          // all coefficients behind are 0
+    bool may_end_early = false;  // a stream may be cut: the coefficients that are not there are 0
 };
 // Those of the parts after kShape up to `last`. Throws std::runtime_error where the bytes are no parts.
 PlaneStreams plane_streams(const PartBytes& bytes, Part last, const Format& format);
@@ -54,6 +54,7 @@ Planes decode_planes(const FrameShape& shape, const PlaneStreams& streams, const
 // The same with larger leaves, of which there are fewer: those of the finest `levels` depths become one with their
 // siblings. They get what the parts up to kShCoarse say; others are not read. `levels`: 1 to kMostCoarser, less than
 // the format's depth. `before` is the frame before with as large leaves.
+// Throws std::runtime_error as decode_planes() does.
 QuantisedSlice decode_coarser(const FrameShape& shape, PlaneStreams streams, const Tables& tables, const Format& format,
                               uint32_t levels, const QuantisedSlice* before);
 

@@ -18,9 +18,9 @@ typedef struct {
 } NeuvvLeaf;
 
 // `tables`: those of the group, inflated. `depth`, `degree` and `most_leaves` are what the stream's head says of the
-// group. `budget`: how many leaves a frame shall have at most, 0: no limit. Where a key frame has more, the finest
-// leaves of it and of the frames behind it are twice or four times as large, which is as few as there can be. Null
-// where these numbers or the tables cannot be. To be freed by neuvv_group_free.
+// group. `budget`: about how many leaves a frame shall have at most, 0: no limit. Where a key frame has more, the
+// finest leaves of it, and of the frames up to the next one, are twice or four times as large. Null where these numbers
+// or the tables cannot be. To be freed by neuvv_group_free.
 NeuvvGroupDecoder* neuvv_group_new(const uint8_t* tables, size_t table_bytes, uint32_t depth, uint32_t degree,
                                    uint32_t most_leaves, uint32_t budget);
 void neuvv_group_free(NeuvvGroupDecoder* decoder);
@@ -39,8 +39,8 @@ int32_t neuvv_group_decode_planes(NeuvvGroupDecoder* decoder, const uint8_t* byt
                                   const uint32_t* part_bytes, uint32_t parts);
 
 // The second step from the beginnings of the coarse streams of a key frame, for a first picture from few bytes. `bytes`
-// has two parts, the second one with lengths of the streams that say how much of each is there. No other frame can
-// repeat leaves of this one.
+// has two parts, the second one with lengths of the streams that say how much of each is there, a multiple of 2. No
+// other frame can repeat leaves of this one. Returns what neuvv_group_decode returns.
 int32_t neuvv_group_decode_beginnings(NeuvvGroupDecoder* decoder, const uint8_t* bytes, size_t byte_count,
                                       const uint32_t* part_bytes);
 

@@ -32,11 +32,11 @@ struct PlaneOfTree {
 
 // Codes planes of the same tree, and sets the values of its leaves, which are what a reader gets. Each plane has a
 // stream in `coarse`, and in `fine` one of the pairs of the finest cells. `Coder` is a SymbolWriter or a SymbolReader;
-// a reader may have no streams of one kind or both: their numbers are 0, as they are from
-// where a stream ends early. `finest` is the tree's depth; a reader's tree
-// may be less deep (coarser.h), and gets what these cells have in the stream's tree. What is
-// rounded, and in which order, is part of the format: all numbers are 32-bit floats, and no two operations may become
-// one. Throws std::runtime_error where a cell's coefficients are all 0 but should not be.
+// a reader may have no streams of one kind or both: their numbers are 0. So are those behind the end of a stream that
+// is cut. `finest` is the depth of the stream's tree. A reader's tree may end above it (coarser.h): its leaves get what
+// these cells have in the stream. What is rounded, and in which order, is part of the format: all numbers are 32-bit
+// floats, and no two operations may become one. Throws std::runtime_error where a cell's coefficients are all 0 but
+// should not be.
 template <typename Coder>
 void code_planes(std::span<Coder> coarse, std::span<Coder> fine, const Octree& tree, const Pairs& pairs,
                  uint32_t finest, std::span<const PlaneOfTree> planes);

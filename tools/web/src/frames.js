@@ -8,7 +8,6 @@ import {opened} from './source.js';
 const kWorkers = Math.max(1, Math.min(4, (navigator.hardwareConcurrency ?? 2) - 1));
 const kMostTableBytes = 1 << 20;  // inflated
 const kMostTables = 8;            // groups whose tables are kept inflated
-const kFirstBytes = 48 << 10;     // of the coarse part of a frame that is shown first
 const kCoarsePlanes = 4;          // which are in that part
 const kAhead_s = 3;               // of which the bytes are fetched before they are asked for
 
@@ -83,7 +82,9 @@ function joined(all) {
 
 export class FrameReader {
     #source; #inflated = new Map(); #decoders = []; #pace = null; #readsAhead = false; #budget = 0;
-    #mostParts = kParts;  // that are needed, where there is a budget
+    #mostParts = new WeakMap();  // by group: how many are needed, where there is a budget
+    /** So many bytes of the coarse part are fetched of a frame that is shown first. */
+    static firstBytes = 48 << 10;
     fps = 0; frames = []; box = null;  // as readHead has them
 
     /**
@@ -150,9 +151,9 @@ export class FrameReader {
 
     // Where there is little, the beginnings are not worth a second look.
     #partCount(frame, wanted) {
-        const {isKey, parts} = this.frames[frame];
-        if (wanted === kBeginnings && !(isKey && parts[1].bytes > kFirstBytes)) return kLeastParts;
-        return Math.min(wanted, this.#mostParts);
+        const {isKey, parts, group} = this.frames[frame];
+        if (wanted === kBeginnings && !(isKey && parts[1].bytes > FrameReader.firstBytes)) return kLeastParts;
+        return Math.min(wanted, this.#mostParts.get(group) ?? kParts);
     }
     // Where decoding has to begin after what a decoder has decoded: with the frame after that, or with the key frame.
     #firstFor(frame, partCount, after) {
@@ -190,9 +191,12 @@ export class FrameReader {
             const one = await request(i);
             signal?.throwIfAborted();
             decoder.last = kNothing;
-            const answer = await decoder.decode({...one, wantsTree: i === frame});
+            const answer = await decoder.decode({...one, wantsTree: i === frame}).catch(error => {
+                if (partCount === kBeginnings) this.#forget(this.frames[i].parts[1]);  // which has no check of its own
+                throw error;
+            });
             decoder.last = {frame: i, partCount};
-            this.#mostParts = answer.coarser > 0 ? kCoarseParts : kParts;
+            this.#mostParts.set(this.frames[i].group, answer.coarser > 0 ? kCoarseParts : kParts);
             for (const [name, value] of Object.entries(answer.times)) times[name] += value;
             if (i === frame) return {...answer.tree, times};
         }
@@ -200,11 +204,12 @@ export class FrameReader {
     // Bytes of the file, as the head says that they are.
     async #read({begin, bytes, crc}, signal = null) {
         const read = await this.#source.read(begin, bytes, signal);
-        if (crc32(read) !== crc) this.#refuse(begin, bytes);
+        if (crc32(read) !== crc) this.#refuse({begin, bytes});
         return read;
     }
-    #refuse(begin, bytes) {
-        this.#source.forget(begin, bytes);
+    #forget({begin, bytes}) { this.#source.forget(begin, bytes); }
+    #refuse(part) {
+        this.#forget(part);
         throw new StreamError('a part of the stream is damaged');
     }
     // The tables of a group, inflated. Those of the last few groups are kept.
@@ -223,8 +228,8 @@ export class FrameReader {
     // The coarse part of a frame as far as its streams shall be there: their lengths, then the same share of each.
     async #beginnings({begin, bytes}, signal) {
         const all = new Uint32Array((await this.#source.read(begin, 4 * kCoarsePlanes, signal, true)).buffer);
-        if (all.reduce((sum, length) => sum + length, 4 * kCoarsePlanes) !== bytes) this.#refuse(begin, bytes);
-        const lengths = all.map(length => 2 * Math.ceil(length * kFirstBytes / bytes / 2)), result = [new Uint8Array(lengths.buffer)];
+        if (all.reduce((sum, length) => sum + length, 4 * kCoarsePlanes) !== bytes) this.#refuse({begin, bytes});
+        const lengths = all.map(length => 2 * Math.ceil(length * FrameReader.firstBytes / bytes / 2)), result = [new Uint8Array(lengths.buffer)];
         let at = begin + 4 * kCoarsePlanes;
         for (const [plane, length] of all.entries()) {
             result.push(this.#source.read(at, Math.min(lengths[plane], length), signal, true));

@@ -125,17 +125,17 @@ export class NeuvvPlayer extends playing(HTMLElement) {
         if (name === 'muted') this.muted = value !== null;
         if (name === 'poster') Object.assign(this.#poster, {src: this.poster, hidden: !this.poster || this.readyState >= 2});
         if ((name === 'src' || name === 'sound') && this.isConnected) this.#begin();
-        if (name === 'budget' && this.readyState > 0) this.#goOnAnew();
+        if (name === 'budget' && this.#renderer) this.#goOnAnew();
     }
     // Where it is, with what can only be chosen when a stream is opened.
     #goOnAnew() {
         const {currentTime, paused} = this;
-        this.#begin();
+        this.#begin(false);
         this.currentTime = currentTime;
-        if (!paused && !this.autoplay) this.play().catch(() => {});  // the event `error` says it
+        if (!paused) this.play().catch(() => {});  // the event `error` says it
     }
 
-    async #begin() {
+    async #begin(plays = this.autoplay) {
         const opening = ++this.#opening;
         this.close();
         if (!this.src) return;
@@ -146,7 +146,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
             this.#sizes.observe(this.#canvas);
             if (!this.#immersion) this.#schedule();
             await this.open(new URL(this.src, document.baseURI), this.#soundUrl(), this.budget);
-            if (opening === this.#opening && this.readyState > 0 && this.autoplay) this.play().catch(() => {});  // the event `error` says it
+            if (opening === this.#opening && this.readyState > 0 && plays) this.play().catch(() => {});  // the event `error` says it
         } catch (error) {
             if (opening === this.#opening) this.fail(error);
         }

@@ -128,7 +128,7 @@ export const playing = Base => class extends Base {
         if (this.#reader) this.close();
         const opening = ++this.#opening;
         this.#isOpening = true;
-        this.#wanted = [url, soundUrl];
+        this.#wanted = [url, soundUrl, budget];
         try {
             const {reader, letGo} = await openShared(url, budget);
             if (opening !== this.#opening) return letGo();

@@ -67,7 +67,7 @@ export class RangeSource {
             if (!this.#blocks.get(block)?.isThere) return false;
         return true;
     }
-    /** What was read of [begin, begin + bytes) is wrong, perhaps also where the browser keeps it: none of what came with it is kept. */
+    /** Forgets [begin, begin + bytes), which is wrong, with all that came with it, and does not ask the browser's cache again. */
     forget(begin, bytes) {
         const wrong = new Set();
         for (let block = Math.floor(begin / kBlock); block * kBlock < begin + bytes; ++block) wrong.add(this.#blocks.get(block)?.request);
@@ -80,7 +80,10 @@ export class RangeSource {
         this.#stop(new StreamError('the player has ended'));
     }
     /** Asks the server again, which has been given up. */
-    tryAgain() { this.#problem = null; }
+    tryAgain() {
+        this.#problem = null;
+        this.size = Infinity;  // it may have been told wrong
+    }
 
     // Of requests for which nobody waits any more, those that are not answered end with the signal.
     #awaited(blocks, signal) {
@@ -215,8 +218,8 @@ export class RangeSource {
             throw Object.assign(new StreamError(problem), {isFinal: !mayPass});
         } catch (error) {
             if (error instanceof StreamError) throw error;
-            throw new StreamError(stop.signal.aborted ? 'the server does not answer'
-                                                      : 'the server does not answer, or does not allow this page to read (CORS)');
+            const mayBeForbidden = !stop.signal.aborted && this.#url.origin !== globalThis.location?.origin;
+            throw new StreamError(`the server does not answer${mayBeForbidden ? ', or does not allow this page to read (CORS)' : ''}`);
         } finally {
             this.#rate.end();
             clearTimeout(timer);
