@@ -105,8 +105,9 @@ export class FrameReader {
 
     /**
      * The slice tree of a frame, as worker.js makes it, with the box of its group and the times that decoding took; from
-     * its first `wantedParts` parts alone. Where the signal aborts, what has not come yet is not fetched any more, and not
-     * decoded. What comes after it is read ahead for `user`. Throws StreamError, or what the signal says.
+     * its first `wantedParts` parts alone, or kBeginnings of nvs.js. Where the signal aborts, what has not come yet is not
+     * fetched any more, and not decoded. What comes after it is read ahead for `user`. Throws StreamError, or what the signal
+     * says.
      */
     async tree(frame, wantedParts = kParts, signal = null, user = null) {
         const partCount = this.#partCount(frame, wantedParts);
@@ -192,7 +193,8 @@ export class FrameReader {
             signal?.throwIfAborted();
             decoder.last = kNothing;
             const answer = await decoder.decode({...one, wantsTree: i === frame}).catch(error => {
-                if (partCount === kBeginnings) this.#forget(this.frames[i].parts[1]);  // which has no check of its own
+                const {begin, bytes} = this.frames[i].parts[1];
+                if (partCount === kBeginnings) this.#source.forget(begin, bytes);  // beginnings have no check of their own
                 throw error;
             });
             decoder.last = {frame: i, partCount};
@@ -204,12 +206,11 @@ export class FrameReader {
     // Bytes of the file, as the head says that they are.
     async #read({begin, bytes, crc}, signal = null) {
         const read = await this.#source.read(begin, bytes, signal);
-        if (crc32(read) !== crc) this.#refuse({begin, bytes});
+        if (crc32(read) !== crc) this.#refuse(begin, bytes);
         return read;
     }
-    #forget({begin, bytes}) { this.#source.forget(begin, bytes); }
-    #refuse(part) {
-        this.#forget(part);
+    #refuse(begin, bytes) {
+        this.#source.forget(begin, bytes);
         throw new StreamError('a part of the stream is damaged');
     }
     // The tables of a group, inflated. Those of the last few groups are kept.
@@ -228,7 +229,7 @@ export class FrameReader {
     // The coarse part of a frame as far as its streams shall be there: their lengths, then the same share of each.
     async #beginnings({begin, bytes}, signal) {
         const all = new Uint32Array((await this.#source.read(begin, 4 * kCoarsePlanes, signal, true)).buffer);
-        if (all.reduce((sum, length) => sum + length, 4 * kCoarsePlanes) !== bytes) this.#refuse({begin, bytes});
+        if (all.reduce((sum, length) => sum + length, 4 * kCoarsePlanes) !== bytes) this.#refuse(begin, bytes);
         const lengths = all.map(length => 2 * Math.ceil(length * FrameReader.firstBytes / bytes / 2)), result = [new Uint8Array(lengths.buffer)];
         let at = begin + 4 * kCoarsePlanes;
         for (const [plane, length] of all.entries()) {
