@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/seconds.h"
 #include "render/volume/slices/slice_upload.h"
 #include "stream/transport/byte_source.h"
 
@@ -229,7 +228,7 @@ std::vector<StageClips::Id> StageClips::needed_at(const stage::EvaluatedStage& e
 // For how many seconds of the stage what is asked for now of a clip that plays by frame is not there yet, while the
 // clock goes on and no image waits for it: frames of which the time is over by then are not worth beginning with.
 double StageClips::lead_s(uint32_t clip, MissingSegments missing) const {
-    const bool goes_on = goes_on_ && seconds_now() - moved_s_ < kStands_s;
+    const bool goes_on = goes_on_ && now_s_ - moved_s_ < kStands_s;
     if (!goes_on || missing == MissingSegments::kWait || !clips_[clip].index.plays_by_frame()) return 0;
     return speed_ * files_->pace_of(clips_[clip].index.segments[0])->lead_s();
 }
@@ -352,11 +351,10 @@ void StageClips::remember(const stage::EvaluatedStage& evaluated) {
 
 // Notes since when what performers show now has been needed without a break.
 void StageClips::note_needed(const std::vector<Id>& needed) {
-    const double now_s = seconds_now();
     std::map<Id, double> since;
     for (const Id& id : needed) {
         const auto before = needed_since_s_.find(id);
-        since[id] = before == needed_since_s_.end() ? now_s : before->second;
+        since[id] = before == needed_since_s_.end() ? now_s_ : before->second;
     }
     needed_since_s_ = std::move(since);
 }
@@ -366,8 +364,7 @@ void StageClips::note_needed(const std::vector<Id>& needed) {
 // too.
 std::vector<ClipFiles::Wanted> StageClips::wanted_of(const std::vector<Id>& needed, const std::vector<Id>& ahead,
                                                      const std::set<Id>& kept, MissingSegments missing) const {
-    const double now_s = seconds_now();
-    const auto stands = [&](const Id& id) { return now_s - needed_since_s_.at(id) >= kStands_s; };
+    const auto stands = [&](const Id& id) { return now_s_ - needed_since_s_.at(id) >= kStands_s; };
     const bool all_stand = std::ranges::all_of(needed, stands);
     std::vector<ClipFiles::Wanted> wanted;
     const auto add = [&](const Id& id, bool is_urgent, bool in_time) {
@@ -388,9 +385,9 @@ std::vector<ClipFiles::Wanted> StageClips::wanted_of(const std::vector<Id>& need
 // A clock goes on that moves shortly after it moved or jumped: a single step is none.
 void StageClips::note_clock(double time_s) {
     constexpr double kNewSpeed = 0.3, kLeastSpeed = 0.1, kMostSpeed = 4;
-    const double step_s = time_s - std::exchange(last_s_, time_s), now_s = seconds_now();
+    const double step_s = time_s - std::exchange(last_s_, time_s);
     if (step_s == 0) return;
-    const double since_s = now_s - std::exchange(moved_s_, now_s);
+    const double since_s = now_s_ - std::exchange(moved_s_, now_s_);
     goes_on_ = std::abs(step_s) < kJump_s && since_s < kStands_s;
     if (std::abs(step_s) >= kJump_s) return;
     direction_ = step_s < 0 ? -1 : 1;
@@ -398,8 +395,10 @@ void StageClips::note_clock(double time_s) {
         speed_ = std::clamp(speed_ + kNewSpeed * (std::abs(step_s) / since_s - speed_), kLeastSpeed, kMostSpeed);
 }
 
-void StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, MissingSegments missing) {
+void StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, MissingSegments missing,
+                        double now_s) {
     if (ids_.empty()) return;
+    now_s_ = now_s;
     note_clock(evaluated.time_s);
     take_results();
     show_late_frames(evaluated);

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "base/seconds.h"
 #include "render/clips/stage_assets.h"
 #include "stage/evaluated_stage.h"
 
@@ -36,8 +37,10 @@ class StageClips {
     void go_on_from(const StageClips& before);
 
     // Follows the stage, which the assets are of, to a time: takes what the thread has read, drops what is far from
-    // this time, and has the thread read what is missing.
-    void follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, MissingSegments missing);
+    // this time, and has the thread read what is missing. `now_s`: of a clock that never goes back, which says how long
+    // the stage stands at a time.
+    void follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, MissingSegments missing,
+                double now_s = seconds_now());
     // Reads what performers show at this time and is not there. Throws RuntimeFailure where the device has no memory.
     void read_missing(const stage::EvaluatedStage& evaluated);
     // Frees what follow() has dropped, which must not be drawn any more.
@@ -128,9 +131,10 @@ class StageClips {
     std::vector<std::optional<Shown>> shown_;               // by performer: what it showed last
     std::vector<Id> recent_;                                // what was shown and is on the device, the newest first
     std::vector<std::shared_ptr<const LoadedClip>> dropped_;
-    std::map<Id, double> needed_since_s_;  // seconds_now(), of what performers show
+    double now_s_ = 0;                     // of the last follow()
+    std::map<Id, double> needed_since_s_;  // by the same clock, of what performers show
     double last_s_ = 0, direction_ = 1;    // of the stage's clock: 1 or −1
-    double moved_s_ = 0;                   // seconds_now() at which it moved last
+    double moved_s_ = 0;                   // by the same clock: when it moved last
     bool goes_on_ = false;                 // whether it did not jump then, and had moved shortly before
     double speed_ = 1;                     // of the stage's seconds a real one, as it goes on
 };
