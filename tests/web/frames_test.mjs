@@ -5,8 +5,10 @@ import fs from 'node:fs';
 import http from 'node:http';
 import path from 'node:path';
 import test from 'node:test';
+import {repeatedGroup} from './streams.mjs';
 
-const built = path.resolve(process.env.BUILT), stream = fs.readFileSync(process.env.STREAM);
+const built = path.resolve(process.env.BUILT);
+const stream = repeatedGroup(fs.readFileSync(process.env.STREAM), 20, 20, await import(`${built}/nvs.js`));
 const later = milliseconds => new Promise(resolve => setTimeout(resolve, milliseconds));
 
 // Node has no workers as browsers have them, and reads no files by fetch.
@@ -20,9 +22,12 @@ globalThis.Worker = class {
     }
     terminate() {}
 };
-const fetchOfNode = fetch;
-globalThis.fetch = (url, options) =>
-    url.protocol === 'file:' ? Promise.resolve(new Response(fs.readFileSync(url))) : fetchOfNode(url, options);
+const fetchOfNode = fetch, caches = [];  // how the caches were to be used, of each request
+globalThis.fetch = (url, options) => {
+    if (url.protocol === 'file:') return Promise.resolve(new Response(fs.readFileSync(url)));
+    caches.push(options.cache);
+    return fetchOfNode(url, options);
+};
 const {FrameQueue} = await import(`${built}/frame_queue.js`);
 const {FrameReader} = await import(`${built}/frames.js`);
 
@@ -136,20 +141,20 @@ test('frames that cannot be there in time are left out', async () => {
     assert.deepStrictEqual(wanted(reader).filter(frame => frame > 4 && frame < 900), [], 'after a jump');
 });
 
-// Counts requests, and those that ended early.
+// Counts requests, and those that ended early. `damaged`: how many answers are wrong from now on.
 async function serve(delay_ms, context) {
-    const counts = {asked: 0, ended: 0};
+    const counts = {asked: 0, ended: 0}, ways = {damaged: 0};
     const server = http.createServer(async (request, response) => {
         const [, begin, end] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range).map(Number);
         ++counts.asked;
         response.on('close', () => counts.ended += response.writableFinished ? 0 : 1);
         await later(delay_ms);
-        const part = stream.subarray(begin, end + 1);
+        const part = ways.damaged-- > 0 ? stream.subarray(begin, end + 1).map(byte => byte ^ 1) : stream.subarray(begin, end + 1);
         response.writeHead(206, {'Content-Range': `bytes ${begin}-${begin + part.length - 1}/${stream.length}`}).end(part);
     });
     await new Promise(resolve => server.listen(0, '127.0.0.1', resolve));
     context.after(() => server.closeAllConnections() ?? server.close());
-    return {url: new URL(`http://127.0.0.1:${server.address().port}/stream.nvs`), counts};
+    return {url: new URL(`http://127.0.0.1:${server.address().port}/stream.nvs`), counts, ways};
 }
 
 test('what is not wanted any more is not decoded', async context => {
@@ -187,4 +192,37 @@ test('a read that ends leaves others what they wait for', async context => {
     await assert.rejects(three, {name: 'AbortError'});
     assert.deepStrictEqual(Buffer.from(await four), stream.subarray(0, 1000));
     assert.deepStrictEqual({...server.counts}, {asked: 3, ended: 1});
+});
+
+test('bytes that came damaged, and no others, are not taken from caches again', async context => {
+    const {RangeSource} = await import(`${built}/source.js`), kFar = 1 << 16;
+    const server = await serve(0, context), source = new RangeSource(server.url);
+    server.ways.damaged = 1;
+    assert.notDeepStrictEqual(Buffer.from(await source.read(0, 1000)), stream.subarray(0, 1000));
+    source.forget(0, 1000);
+    caches.length = 0;
+    assert.deepStrictEqual(Buffer.from(await source.read(0, 1000)), stream.subarray(0, 1000));
+    await source.read(kFar, 1000);
+    assert.deepStrictEqual(caches, ['reload', 'default']);
+    source.forget(kFar, 1000);
+    assert.deepStrictEqual(Buffer.from(await source.read(100, 1000)), stream.subarray(100, 1100));
+    await source.read(kFar, 1000);
+    assert.deepStrictEqual(caches, ['reload', 'default', 'reload'], 'what is sound stays');
+});
+
+test('a head or a part that came damaged is asked for once more', async context => {
+    const server = await serve(0, context);
+    server.ways.damaged = 1;
+    caches.length = 0;
+    const reader = await FrameReader.open(server.url);
+    assert(caches.length <= 3 && caches[0] === 'default' && caches[1] === 'reload', `${caches}`);
+    server.ways.damaged = 1;
+    caches.length = 0;
+    await reader.tree(reader.frames.length - 1);
+    assert(caches.includes('default') && caches.includes('reload') && server.ways.damaged < 0, `${caches}`);
+    reader.end();
+    server.ways.damaged = Infinity;
+    caches.length = 0;
+    await assert.rejects(FrameReader.open(server.url), {message: /no \.nvs stream/});
+    assert.strictEqual(caches.length, 2);
 });

@@ -100,6 +100,35 @@ async function playOn(player) {
     results.playRejects = await ended.then(() => false, error => error.name === 'AbortError');
 }
 
+// What is said on the console of each of these budgets, which the player has then.
+async function warningsOf(player, budgets) {
+    const warn = console.warn, said = [];
+    for (const budget of budgets) {
+        const lines = [], loaded = event(player, 'loadeddata');
+        console.warn = line => lines.push(line);
+        player.budget = budget;
+        await loaded;
+        said.push({lines, leaves: player.budget});
+    }
+    console.warn = warn;
+    return said;
+}
+
+// What play() does when a player is disposed of: before, and after that.
+async function playDisposed(player) {
+    const nameOf = promise => Promise.race([promise.then(() => 'it plays', error => error.name), later(10000).then(() => 'nothing')]);
+    player.src = '/stream.nvs';
+    const pending = nameOf(player.play());
+    player.dispose();
+    const names = [await pending, await nameOf(player.play())];
+    const loaded = event(player, 'loadeddata');
+    player.src = '/stream.nvs';
+    names.push(await nameOf(player.play()));
+    await loaded;
+    player.dispose();
+    return names;
+}
+
 async function useElement(stream) {
     const sounds = [], NativeAudio = Audio;
     window.Audio = function () {
@@ -161,6 +190,7 @@ async function useElement(stream) {
     player.budget = 1;
     await fewer;
     results.element.budget = {leaves: player.budget, time: player.currentTime / whole, isPaused: player.paused};
+    results.warnings = await warningsOf(player, ['abc', '', -1, NaN, 0.5, 0, 1000, null]);
     results.element.recovers = player.shadowRoot.querySelector('.problem').textContent === '';
     const parent = player.parentNode;
     player.remove();
@@ -168,7 +198,7 @@ async function useElement(stream) {
     const back = event(player, 'loadeddata');
     parent.append(player);
     await back;
-    player.dispose();
+    results.disposed = await playDisposed(player);
 }
 
 try {

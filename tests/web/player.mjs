@@ -96,6 +96,12 @@ if (!results.problem) {
     expect(results.element.fetched_s > 0.9 * results.element.duration, 'what has been fetched is not told');
     const {budget} = results.element;
     expect(budget.leaves === 1 && Math.abs(budget.time - 0.6) < 0.01 && budget.isPaused, `another budget changes more: ${JSON.stringify(budget)}`);
+    for (const [i, {lines, leaves}] of results.warnings.entries()) {
+        const isNonsense = i < 5, isSaid = lines.length === 1 && lines[0].includes('is no number of leaves');
+        expect(isNonsense ? isSaid : lines.length === 0, `of budget ${i} the console says ${lines}`);
+        expect(leaves === (i === 6 ? 1000 : 0), `budget ${i} is ${leaves}`);
+    }
+    expect(results.disposed.join() === 'AbortError,AbortError,it plays', `play() and dispose(): ${results.disposed}`);
     expect(results.element.recovers, 'the player does not recover');
     expect(results.element.duration > 0 && results.element.stepped > 0, 'the player does not step');
     for (const text of results.controls) wrong.push(text);

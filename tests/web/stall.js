@@ -29,13 +29,13 @@ const event = (player, name) => {
     return until(() => isThere, name);
 };
 
-async function opened() {
+async function opened(src = '/stream.nvs') {
     document.querySelector('neuvv-player')?.remove();
     const player = Object.assign(new NeuvvPlayer(), {loop: true, muted: true, playbackRate: 8});
     document.body.append(player);
     Object.assign(player.style, {width: `${kSize}px`});
     player.setAttribute('sound', '');
-    player.src = '/stream.nvs';
+    player.src = src;
     return player;
 }
 async function playing() {
@@ -80,11 +80,11 @@ async function waits(way) {
 }
 
 // A few answers are not what they should be: the player asks again, and nobody notices.
-async function asksAgain(way) {
-    what = `a server that ${way} three times`;
+async function asksAgain(way, times = 3) {
+    what = `a server that ${way} ${times} times`;
     const player = await playing();
     const end = player.currentTime + kSeconds;
-    await server(way, 3);
+    await server(way, times);
     await until(() => player.currentTime > end || player.error, 'the end');
     expect(!player.error, `it says ${line(player)}`);
     expect(await server('well') === '0', 'the server was not asked');
@@ -130,6 +130,18 @@ async function opensAgain(byPlay) {
     player.dispose();
 }
 
+// The browser keeps a damaged head; the server is asked again.
+async function forgetsDamagedHead() {
+    what = 'a damaged head';
+    await server('damages');
+    const player = await opened('/kept/stream.nvs');
+    await event(player, 'error');
+    await server('well');
+    await player.play().catch(error => expect(false, `play() rejects: ${error.message}`));
+    expect(!player.error, `it still says ${line(player)}`);
+    player.dispose();
+}
+
 // However little each answer brings, the stream comes.
 async function comesInPieces() {
     what = 'a server that ends each answer early';
@@ -144,8 +156,10 @@ try {
     const ways = await (await fetch('/ways.json')).json();
     for (const way of ['isSilent', 'stops']) await waits(way);
     for (const way of ways.filter(one => !['isSilent', 'stops', 'damages'].includes(one))) await asksAgain(way);
+    await asksAgain('damages', 1);
     for (const way of ['isSilent', 'sendsNothing', 'sendsOthers', 'hasLess', 'damages']) await givesUp(way);
     for (const byPlay of [true, false]) await opensAgain(byPlay);
+    await forgetsDamagedHead();
     await comesInPieces();
 } catch (error) {
     results.problem = `${what}: ${error.message}\n${error.stack}`;

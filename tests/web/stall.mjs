@@ -7,7 +7,7 @@ import {fileURLToPath} from 'node:url';
 import {answer, resultsOf} from './browser.mjs';
 import {repeatedGroup} from './streams.mjs';
 
-const kStream = '/stream.nvs', kBlock = 1 << 14, kPiece = 3000;  // bytes
+const kStreams = ['/stream.nvs', '/kept/stream.nvs'], kBlock = 1 << 14, kPiece = 3000;  // bytes
 const [, built, stream] = process.argv.slice(2);
 const here = path.dirname(fileURLToPath(import.meta.url));
 const bytes = repeatedGroup(fs.readFileSync(stream), 320, 20, await import(path.resolve(built, 'nvs.js')));
@@ -43,13 +43,13 @@ const setWay = words => {
 };
 function serve(request, response, name, content) {
     const [, begin, last] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? '') ?? [];
-    if (name !== kStream || !kWays[way] || left === 0) return answer(request, response, name, content);
+    if (!kStreams.includes(name) || !kWays[way] || left === 0) return answer(request, response, name, content);
     --left;
     kWays[way](response, Number(begin), Math.min(Number(last) + 1, bytes.length));
 }
 
 const roots = [['/test/', here], ['/', built]], ways = JSON.stringify(Object.keys(kWays));
-const {results} = await resultsOf({page: '/test/stall.html', roots, sent: {[kStream]: bytes, '/ways.json': ways}, answers: {'/server': setWay}, serve});
+const {results} = await resultsOf({page: '/test/stall.html', roots, sent: {...Object.fromEntries(kStreams.map(name => [name, bytes])), '/ways.json': ways}, answers: {'/server': setWay}, serve});
 if (results.problem) results.wrong.push(results.problem);
 for (const text of results.wrong) console.error(`wrong: ${text}`);
 process.exit(results.wrong.length > 0 ? 1 : 0);

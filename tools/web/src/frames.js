@@ -80,6 +80,22 @@ function joined(all) {
     return bytes;
 }
 
+// The head of a stream, as readHead has it. A browser may keep one that came damaged: the server is asked once more.
+async function headOf(source, isLast = false) {
+    const first = await source.begin();
+    let size = first.length;
+    try {
+        size = headBytes(first, source.size);
+        const head = readHead(await source.read(0, size));
+        if (source.size < head.end) throw new StreamError('the file ends early');
+        return head;
+    } catch (error) {
+        if (isLast) throw error;
+        source.forget(0, size);
+        return headOf(source, true);
+    }
+}
+
 export class FrameReader {
     #source; #inflated = new Map(); #decoders = []; #pace = null; #readsAhead = false; #budget = 0;
     #mostParts = new WeakMap();  // by group: how many are needed, where there is a budget
@@ -96,9 +112,7 @@ export class FrameReader {
         reader.#budget = budget;
         loadedDecoder().then(instantiated).then(codec => reader.#pace = new FramePace(codec, kWorkers))
             .catch(() => {});  // it is thrown where frames are asked for
-        const bytes = await source.read(0, headBytes(await source.begin(), source.size));
-        const {fps, end, box, frames} = readHead(bytes);
-        if (source.size < end) throw new StreamError('the file ends early');
+        const {fps, box, frames} = await headOf(source);
         reader.#source = source;
         return Object.assign(reader, {fps, box, frames});
     }
@@ -203,11 +217,13 @@ export class FrameReader {
             if (i === frame) return {...answer.tree, times};
         }
     }
-    // Bytes of the file, as the head says that they are.
-    async #read({begin, bytes, crc}, signal = null) {
+    // Bytes of the file, as the head says that they are. Those that are not are asked for once more.
+    async #read({begin, bytes, crc}, signal = null, isLast = false) {
         const read = await this.#source.read(begin, bytes, signal);
-        if (crc32(read) !== crc) this.#refuse(begin, bytes);
-        return read;
+        if (crc32(read) === crc) return read;
+        if (isLast) this.#refuse(begin, bytes);
+        this.#source.forget(begin, bytes);
+        return this.#read({begin, bytes, crc}, signal, true);
     }
     #refuse(begin, bytes) {
         this.#source.forget(begin, bytes);

@@ -2,7 +2,7 @@
 import {Controls, kControlsStyle} from './controls.js';
 import {loadedWalk} from './loaded.js';
 import {Orbit} from './orbit.js';
-import {playing} from './playing.js';
+import {leavesOf, playing} from './playing.js';
 import {Renderer} from './renderer.js';
 import {Immersion} from './xr.js';
 
@@ -46,12 +46,9 @@ export class NeuvvPlayer extends playing(HTMLElement) {
 
     get src() { return this.getAttribute('src') ?? ''; }
     set src(url) { this.setAttribute('src', url); }
-    /** How many leaves shall be shown at most; 0: no limit. */
-    get budget() {
-        const leaves = Math.floor(Number(this.getAttribute('budget')));
-        return leaves > 0 && leaves < 2 ** 32 ? leaves : 0;
-    }
-    set budget(leaves) { leaves > 0 ? this.setAttribute('budget', leaves) : this.removeAttribute('budget'); }
+    /** How many leaves shall be shown at most; 0: no limit, also where the attribute is no number, which open() says. */
+    get budget() { return leavesOf(this.getAttribute('budget')) ?? 0; }
+    set budget(leaves) { leaves === 0 || leaves === null ? this.removeAttribute('budget') : this.setAttribute('budget', leaves); }
     get poster() { return this.getAttribute('poster') ?? ''; }
     set poster(url) { this.setAttribute('poster', url); }
     get loop() { return this.hasAttribute('loop'); }
@@ -99,7 +96,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
         cancelAnimationFrame(this.#frameRequest);
         ++this.#opening;
         this.#immersion?.leave();
-        this.close();
+        this.end();
         this.#renderer?.end();
         this.#renderer = null;
         this.#sizes.disconnect();
@@ -145,7 +142,7 @@ export class NeuvvPlayer extends playing(HTMLElement) {
             this.#renderer ??= new Renderer(this.#canvas, walk);
             this.#sizes.observe(this.#canvas);
             if (!this.#immersion) this.#schedule();
-            await this.open(new URL(this.src, document.baseURI), this.#soundUrl(), this.budget);
+            await this.open(new URL(this.src, document.baseURI), this.#soundUrl(), this.getAttribute('budget') ?? 0);
             if (opening === this.#opening && this.readyState > 0 && plays) this.play().catch(() => {});  // the event `error` says it
         } catch (error) {
             if (opening === this.#opening) this.fail(error);

@@ -7,6 +7,12 @@ const kMostLate_s = 0.25;      // what is shown may be over for so long before t
 const kPull = 0.2;             // of the way to where the sound is, an image
 const kMostStep = 250;         // milliseconds; a page that was hidden goes on where it was
 
+/** How many leaves a budget allows: a whole number below 2^32; 0: all. Null where it is something else. */
+export function leavesOf(budget) {
+    const leaves = budget === '' ? NaN : Number(budget);
+    return Number.isInteger(leaves) && leaves >= 0 && leaves < 2 ** 32 ? leaves : null;
+}
+
 /** What HTMLMediaElement calls TimeRanges, of [begin, end) in seconds. */
 class Ranges {
     #ranges;
@@ -24,6 +30,7 @@ export const playing = Base => class extends Base {
     #start_s = 0;     // where a stream that is opened begins
     #starting = [];   // promises of play()
     #wanted = null;   // what open() was told last
+    #hasEnded = false;  // by end()
     #sound = new Sound(() => this.#tell('volumechange'));
     /** What was wrong last: an Error, or null. */
     error = null;
@@ -89,9 +96,11 @@ export const playing = Base => class extends Base {
 
     /**
      * What could not be read is asked for again. Returns a promise, as HTMLMediaElement's does: it resolves when the
-     * stream plays, and rejects where it is paused or cannot be read before.
+     * stream plays, and rejects where it is paused, ended or cannot be read before.
      */
     play() {
+        if (this.#hasEnded) return Promise.reject(new DOMException('play() was called after dispose()', 'AbortError'));
+        if (this.error && !this.#wanted) return Promise.reject(this.error);  // which no stream has
         const started = this.#paused || this.#isWaiting ? new Promise((resolve, reject) => this.#starting.push({resolve, reject})) : Promise.resolve();
         if (this.#paused) this.#begin();
         return started;
@@ -122,15 +131,17 @@ export const playing = Base => class extends Base {
 
     /**
      * Opens the stream at an address, and ends the one before. `soundUrl`: of what is heard with it, or null. `budget`:
-     * how many leaves shall be shown at most; 0: no limit.
+     * how many leaves shall be shown at most; 0: no limit. What is no such number is none, and is named on the console.
      */
     async open(url, soundUrl, budget = 0) {
         if (this.#reader) this.close();
-        const opening = ++this.#opening;
+        const opening = ++this.#opening, leaves = leavesOf(budget);
         this.#isOpening = true;
-        this.#wanted = [url, soundUrl, budget];
+        this.#hasEnded = false;
+        this.#wanted = [url, soundUrl, leaves ?? 0];
+        if (leaves === null) console.warn(`NeuVV: the budget "${budget}" is no number of leaves, so all are shown; 0 says so, too`);
         try {
-            const {reader, letGo} = await openShared(url, budget);
+            const {reader, letGo} = await openShared(url, leaves ?? 0);
             if (opening !== this.#opening) return letGo();
             this.#reader = reader;
             this.#queue = new FrameQueue(reader);
@@ -146,10 +157,19 @@ export const playing = Base => class extends Base {
     }
     /** Ends the stream that is open, or being opened, and pauses. */
     close() {
+        this.#hasEnded = false;
+        this.#close('play() was ended by another stream');
+    }
+    /** The same where none is to be opened: play() rejects until close() or open() is called. */
+    end() {
+        this.#hasEnded = true;
+        this.#close('play() was ended by dispose()');
+    }
+    #close(why) {
         const wasEmpty = !this.#reader && !this.#isOpening && !this.error;
         this.#paused = true;
         this.#isOpening = false;
-        this.#endStarting(new DOMException('play() was ended by another stream', 'AbortError'));
+        this.#endStarting(new DOMException(why, 'AbortError'));
         ++this.#opening;  // what is being opened is dropped when it is there
         this.#queue?.clear();
         this.#letGo?.();

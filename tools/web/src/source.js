@@ -22,7 +22,7 @@ const isPassing = status => status === 429 || status >= 500;
 export class RangeSource {
     #url; #blocks = new Map(); #requests = new Set(); #problem = null; #rate = new ByteRate();
     #ahead = new Map();  // ranges of blocks, by whom they are for
-    #cache = 'default';  // as fetch() has it
+    #damaged = new Set();  // blocks that are not taken from the browser's cache until they have come anew
     size = Infinity;  // of the file, where its server says so
     constructor(url) { this.#url = url; }
 
@@ -67,12 +67,16 @@ export class RangeSource {
             if (!this.#blocks.get(block)?.isThere) return false;
         return true;
     }
-    /** Forgets [begin, begin + bytes), which is wrong, with all that came with it, and does not ask the browser's cache again. */
+    /** Forgets [begin, begin + bytes), which is wrong, with all that came with it: next, they come from the server itself. */
     forget(begin, bytes) {
         const wrong = new Set();
-        for (let block = Math.floor(begin / kBlock); block * kBlock < begin + bytes; ++block) wrong.add(this.#blocks.get(block)?.request);
-        this.#forgetAll(wrong);
-        this.#cache = 'reload';
+        for (let block = Math.floor(begin / kBlock); block * kBlock < begin + bytes; ++block) {
+            const one = this.#blocks.get(block);
+            if (!one) this.#damaged.add(block);
+            else if (one.isThere) wrong.add(one.request);  // else it comes anew already
+        }
+        for (const block of this.#forgetAll(wrong)) this.#damaged.add(block);
+        this.size = Infinity;  // it may have been told wrong
     }
     /** The first bytes, at most 4 KiB; what is asked for of those behind them comes with them. */
     begin() { return this.#request(0, 0, false)[0].bytes; }
@@ -123,8 +127,14 @@ export class RangeSource {
             }
     }
     #forgetAll(requests) {
-        for (const [block, {request}] of this.#blocks)
-            if (requests.has(request)) this.#blocks.delete(block);
+        const blocks = [...this.#blocks.keys()].filter(block => requests.has(this.#blocks.get(block).request));
+        for (const block of blocks) this.#blocks.delete(block);
+        return blocks;
+    }
+    #isDamaged(begin, end) {
+        for (let block = Math.floor(begin / kBlock); block * kBlock < end; ++block)
+            if (this.#damaged.has(block)) return true;
+        return false;
     }
     #drop(request) {
         if (!this.#requests.has(request)) return;  // it is answered
@@ -159,7 +169,10 @@ export class RangeSource {
         for (let i = first; i < end; ++i) {
             const from = (i - first) * kBlock;
             const one = {request, isThere: false, bytes: fetched.then(bytes => bytes.slice(from, from + kBlock))};
-            one.bytes.then(() => one.isThere = true, () => {  // it may come when it is asked for again
+            one.bytes.then(() => {
+                one.isThere = true;
+                this.#damaged.delete(i);
+            }, () => {  // it may come when it is asked for again
                 if (this.#blocks.get(i) === one) this.#blocks.delete(i);
             });
             this.#blocks.set(i, one);
@@ -204,7 +217,8 @@ export class RangeSource {
         if (signal.aborted) abort();
         this.#rate.begin();
         try {
-            const answer = await fetch(this.#url, {headers: {Range: `bytes=${begin}-${end - 1}`}, signal: stop.signal, cache: this.#cache});
+            const cache = this.#isDamaged(begin, end) ? 'reload' : 'default';
+            const answer = await fetch(this.#url, {headers: {Range: `bytes=${begin}-${end - 1}`}, signal: stop.signal, cache});
             if (answer.status === 416) return;
             if (answer.status === 206)
                 return await this.#takePieces(answer, begin, end, piece => {

@@ -92,7 +92,7 @@ export class PerformerMesh extends Mesh {
     /** Ends all that runs, and frees what it has. */
     dispose() {
         this.#isDisposed = true;
-        this.media.close();
+        this.media.end();
         this.geometry.dispose();
         for (const material of Object.values(this.#materials ?? {})) material.dispose();
         for (const name of ['tree_links', 'nodes', 'entries']) this.#uniforms[name].value?.dispose();
