@@ -216,6 +216,7 @@ TEST_F(CliOneFile, HasStreamAndSound) {
     const auto json = nlohmann::json::parse(run.out);
     EXPECT_EQ(json.at("page"), output);
     EXPECT_EQ(json.at("bytes"), std::filesystem::file_size(stream));
+    EXPECT_EQ(json.at("page_bytes"), std::filesystem::file_size(output));
     EXPECT_EQ(files(), before + 1) << "what it was made of is gone";
     expect_refusal(publish_file(stream), 2, {"--web", output, "is there already", "--overwrite"});
     const std::string clip = file("anna.nvv");

@@ -121,6 +121,7 @@ void report(const PublishOptions& options, const PublishedScene& scene, const En
         if (!options.web.empty()) json.update({{"web", options.web}, {"page", page}});
         json.update(
             {{"bytes", published.bytes}, {"frames", frames}, {"bytes_per_frame", bytes_per_frame}, {"mbps", mbps}});
+        if (options.is_one_file()) json["page_bytes"] = std::filesystem::file_size(page);
         if (!scene.layers.empty()) json["paint_layers"] = scene.layers.size();
         if (options.encoding.rate_mbps) json["most_mbps"] = published.most_mbps;
         if (published.psnr) json["psnr_db"] = *published.psnr;
@@ -176,8 +177,8 @@ void add_publish(Command app, CommonOptions& common) {
         .show_default();
     verb.add_option("--size", options->encoding.size, "WIDTHxHEIGHT of them").show_default();
     verb.add_flag("--json", options->json,
-                  "Print JSON: output, page, bytes, frames, bytes_per_frame, mbps, most_mbps (of a group), psnr_db, "
-                  "paint_layers");
+                  "Print JSON: output, page, bytes (of the stream), page_bytes (of a page of one file), frames,\n"
+                  "bytes_per_frame, mbps, most_mbps (of a group), psnr_db, paint_layers");
     verb.footer(
         {"A stream has every frame as it is shown. It is played as the clip is, but it cannot be trained on or "
          "painted,\nand between two frames it shows the nearer one. Segments that overlap do not fade into each other "
