@@ -167,8 +167,9 @@ void add_publish(Command app, CommonOptions& common) {
     Command result = verb.add_group("What is written");
     result.add_option("-o,--output", options->output, "The .nvs to write");
     result.add_option("--web", options->web,
-                      "A folder to write for any file server: the stream, and a page that plays it in browsers; or a "
-                      ".html of at most 20 MB that has all of it, which browsers open from the disk, too");
+                      "A folder to write for any file server that answers ranges: the stream, and a page that plays "
+                      "it in browsers; or a .html of at most 20 MB that has all of it, which browsers open from the "
+                      "disk, too");
     result.require_options(1, 1);
     add_up_option(verb, options->up);
     add_encoding_options(verb, options->encoding);
