@@ -272,8 +272,9 @@ TEST_F(CliWebStage, HasAllThatIsSeenAndHeard) {
     const auto json = nlohmann::json::parse(run.out);
     EXPECT_EQ(json.at("page"), web + "/index.html");
     EXPECT_EQ(json.at("files"), expected.size() + 1) << "and the list";
-    EXPECT_EQ(json.at("left_out").dump(),
-              R"(["mixtures of frames of \"anna\", whose speed is not 1","\"secret\", which is hidden"])");
+    EXPECT_EQ(
+        json.at("left_out").dump(),
+        R"(["mixtures of frames of \"anna\", whose speed is not 1","\"secret\", which is hidden","shadows on performers"])");
     EXPECT_EQ(page(), "<html><title>show</title></html>");
     const stage::Stage stage = stage::load_stage(web + "/show.glb");
     std::vector<std::string> uris;
@@ -312,9 +313,18 @@ TEST_F(CliWebStage, SaysWhatItNeedsAndWhatItLeavesOut) {
     const ProgramResult run = export_stage(show);
     ASSERT_EQ(run.code, 0) << run.err;
     for (const char* line : {"\nleft out: the environment\n", "\nleft out: \"secret\", which is hidden\n",
-                             "\nleft out: the paint of \"red\", whose clip is a stream already\n"})
+                             "\nleft out: the paint of \"red\", whose clip is a stream already\n",
+                             "\nleft out: shadows on performers\n", "1 stream and 1 sound of 4 performers\n"})
         EXPECT_NE(run.out.find(line), std::string::npos) << run.out;
     EXPECT_EQ(run.out.find("mixtures"), std::string::npos) << run.out;
+    edit_stage(show, {"set", "--falloff", "off"});
+    const ProgramResult captured = export_stage(show, {"--overwrite"});
+    EXPECT_EQ(captured.code, 0) << captured.err;
+    EXPECT_EQ(captured.out.find("shadows"), std::string::npos) << captured.out;
+    edit_stage(show, {"set", "--falloff", "on", "--shadows", "off"});
+    const ProgramResult bright = export_stage(show, {"--overwrite"});
+    EXPECT_EQ(bright.code, 0) << bright.err;
+    EXPECT_EQ(bright.out.find("shadows"), std::string::npos) << bright.out;
     std::filesystem::remove_all(web);
     expect_refused_alone(export_stage(clip), {"scene", "is no stage"});
     write_player(player_files);

@@ -7,6 +7,8 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "edit/operations.h"
+#include "render/clips/light_status.h"
+#include "stage/evaluated_stage.h"
 #include "stage/gltf/embedded.h"
 #include "stream/transport/byte_source.h"
 #include "tools/export/stage_kinds.h"
@@ -26,6 +28,19 @@ struct ShownStream {
     render::LayerFolders layers;  // of paint, that are written into it
     std::string name;             // in the folder
 };
+
+bool has_shadows_on_performers(const stage::Stage& stage) {
+    if (!stage.settings.falloff) return false;  // no light shines on them
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0);
+    return std::ranges::any_of(render::light_statuses(stage, evaluated), &render::LightStatus::casts_shadow) &&
+           std::ranges::any_of(evaluated.performers, [](const stage::EvaluatedPerformer& performer) {
+               return performer.visible && performer.receives_shadow;
+           });
+}
+
+std::string counted(size_t count, const char* what) {
+    return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
 
 class WebStage {
   public:
@@ -56,6 +71,7 @@ WebStage::WebStage(const std::string& path)
     : stage_(std::make_shared<const stage::Stage>(stage::load_stage(path))), file_(stage_->file) {
     leave_out_of_stage();
     for (uint32_t i = 0; i < stage_->performers.size(); ++i) add(i);
+    if (has_shadows_on_performers(*stage_)) left_out_.emplace_back("shadows on performers");
 }
 
 void WebStage::leave_out_of_stage() {
@@ -151,7 +167,8 @@ void WebStage::write(const ExportOptions& options, const CommonOptions& common, 
 
 std::string WebStage::summary() const {
     const auto shown = std::ranges::count_if(performers_, [](const auto& performer) { return !performer.is_null(); });
-    return fmt::format("{} streams and {} sounds of {} performers", streams_.size(), sounds_.size(), shown);
+    return fmt::format("{} and {} of {}", counted(streams_.size(), "stream"), counted(sounds_.size(), "sound"),
+                       counted(static_cast<size_t>(shown), "performer"));
 }
 
 }  // namespace
