@@ -15,6 +15,7 @@
 #include "tools/publish/encode_scene.h"
 #include "tools/publish/published_files.h"
 #include "tools/publish/web_page.h"
+#include "tools/say.h"
 #include "voctree/files/clip.h"
 
 namespace neuvv::tools {
@@ -179,7 +180,8 @@ std::string write_web_stage(const ExportOptions& options, const CommonOptions& c
     const UnfinishedWebPage page("--output", folder, find_stage_player(), stage.files());
     stage.document(folder).write(page.path() / kPageStage, "make the set smaller");
     stage.write(options, common, page.path());
-    page.finish(std::filesystem::path(options.scene).stem().string());
+    const std::string title = std::filesystem::path(options.scene).stem().string();
+    if (const std::string note = page.finish(title); !note.empty()) say("{}\n", note);
     uint64_t bytes = 0;
     for (const std::string& name : page.files()) bytes += std::filesystem::file_size(folder / name);
     const std::string html = (folder / "index.html").string();

@@ -103,7 +103,7 @@ EncodedStream publish_page(const PublishOptions& options, const PublishedScene& 
     if (sound) own.push_back(page_sound.string());
     const UnfinishedWebPage page("--web", options.web, find_web_player(), own);
     const EncodedStream published = write_for_page(options, scene, common, sound, page.path() / kPageStream);
-    page.finish(title);
+    if (const std::string note = page.finish(title); !note.empty()) say("{}\n", note);
     return published;
 }
 
