@@ -166,6 +166,28 @@ TEST_F(CliWebPage, OnlyAnEarlierPageIsReplaced) {
     EXPECT_TRUE(std::filesystem::exists(web + "/index.html"));
 }
 
+TEST_F(CliWebPage, AnEditedPageStays) {
+    expect_published(stream);
+    write_text(web + "/index.html", "mine");
+    ProgramResult run = publish(stream, {"--overwrite"});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.err.find(web + "/index.html: was edited, and stays"), std::string::npos) << run.err;
+    EXPECT_EQ(page(), "mine");
+    expect_published(stream, {"--overwrite"});
+    EXPECT_EQ(page(), "mine") << "also the next time";
+    std::filesystem::remove(web + "/index.html");
+    run = publish(stream, {"--overwrite"});
+    EXPECT_EQ(run.err.find("was edited"), std::string::npos) << run.err;
+    EXPECT_NE(page(), "mine");
+    auto list = nlohmann::json::parse(read_text(web + "/published.json"));
+    list.erase("index_html");
+    write_text(web + "/published.json", list.dump());
+    const std::string before = page();
+    run = publish(stream, {"--overwrite"});
+    EXPECT_NE(run.err.find("was edited"), std::string::npos) << "a list does not say what was written: " << run.err;
+    EXPECT_EQ(page(), before);
+}
+
 TEST_F(CliWebPage, WhatAKilledRunLeftIsReplaced) {
     std::filesystem::create_directories(web + "/unfinished");
     write_text(web + "/unfinished/show.nvs", "a part");
@@ -216,6 +238,7 @@ TEST_F(CliOneFile, HasStreamAndSound) {
     const auto json = nlohmann::json::parse(run.out);
     EXPECT_EQ(json.at("page"), output);
     EXPECT_EQ(json.at("bytes"), std::filesystem::file_size(stream));
+    EXPECT_EQ(json.at("page_bytes"), std::filesystem::file_size(output));
     EXPECT_EQ(files(), before + 1) << "what it was made of is gone";
     expect_refusal(publish_file(stream), 2, {"--web", output, "is there already", "--overwrite"});
     const std::string clip = file("anna.nvv");
@@ -271,8 +294,9 @@ TEST_F(CliWebStage, HasAllThatIsSeenAndHeard) {
     const auto json = nlohmann::json::parse(run.out);
     EXPECT_EQ(json.at("page"), web + "/index.html");
     EXPECT_EQ(json.at("files"), expected.size() + 1) << "and the list";
-    EXPECT_EQ(json.at("left_out").dump(),
-              R"(["mixtures of frames of \"anna\", whose speed is not 1","\"secret\", which is hidden"])");
+    EXPECT_EQ(
+        json.at("left_out").dump(),
+        R"(["mixtures of frames of \"anna\", whose speed is not 1","\"secret\", which is hidden","shadows on performers"])");
     EXPECT_EQ(page(), "<html><title>show</title></html>");
     const stage::Stage stage = stage::load_stage(web + "/show.glb");
     std::vector<std::string> uris;
@@ -311,9 +335,18 @@ TEST_F(CliWebStage, SaysWhatItNeedsAndWhatItLeavesOut) {
     const ProgramResult run = export_stage(show);
     ASSERT_EQ(run.code, 0) << run.err;
     for (const char* line : {"\nleft out: the environment\n", "\nleft out: \"secret\", which is hidden\n",
-                             "\nleft out: the paint of \"red\", whose clip is a stream already\n"})
+                             "\nleft out: the paint of \"red\", whose clip is a stream already\n",
+                             "\nleft out: shadows on performers\n", "1 stream and 1 sound of 4 performers\n"})
         EXPECT_NE(run.out.find(line), std::string::npos) << run.out;
     EXPECT_EQ(run.out.find("mixtures"), std::string::npos) << run.out;
+    edit_stage(show, {"set", "--falloff", "off"});
+    const ProgramResult captured = export_stage(show, {"--overwrite"});
+    EXPECT_EQ(captured.code, 0) << captured.err;
+    EXPECT_EQ(captured.out.find("shadows"), std::string::npos) << captured.out;
+    edit_stage(show, {"set", "--falloff", "on", "--shadows", "off"});
+    const ProgramResult bright = export_stage(show, {"--overwrite"});
+    EXPECT_EQ(bright.code, 0) << bright.err;
+    EXPECT_EQ(bright.out.find("shadows"), std::string::npos) << bright.out;
     std::filesystem::remove_all(web);
     expect_refused_alone(export_stage(clip), {"scene", "is no stage"});
     write_player(player_files);

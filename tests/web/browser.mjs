@@ -8,7 +8,7 @@ import {DevTools} from './devtools.mjs';
 
 const kMost_s = 240;
 const kTypes = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm', '.json': 'application/json',
-                '.png': 'image/png', '.gltf': 'model/gltf+json'};
+                '.png': 'image/png', '.svg': 'image/svg+xml', '.gltf': 'model/gltf+json'};
 const kPolicy = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; worker-src 'self'; img-src 'self'; media-src 'self'";
 
 // The file of the first root whose prefix a name begins with; null: there is none.

@@ -1,5 +1,5 @@
 // A page of one file, opened from the disk, in Debian's Chromium: shows what the page in a folder shows, sounds, seeks, plays
-// to its end, and asks for nothing.
+// to its end, and asks for nothing. Pages that need a server say so where there is none.
 //   node tests/web/one_file.mjs NEUVV BUILT STREAM
 // BUILT: what tools/web/build made. Exits with 1 where something is wrong.
 import {execFileSync} from 'node:child_process';
@@ -11,7 +11,7 @@ import {serving, started} from './browser.mjs';
 import {programWith} from './modules.mjs';
 import {tone} from './streams.mjs';
 
-const kPatience_ms = 20000, kMost_ms = 120000;
+const kPatience_ms = 20000, kMost_ms = 120000, kSame_db = 40, kOther_db = 25;
 const [neuvv, built, stream] = process.argv.slice(2);
 if (!fs.existsSync(path.join(built, 'one_file.html'))) {
     console.log('skipped: esbuild is not installed (apt-get install esbuild)');
@@ -60,17 +60,44 @@ async function playToEnd() {
     return player.error?.message ?? (player.ended && player.paused && player.currentTime === player.duration);
 }
 const pictureOf = async page => (await page.call('Page.captureScreenshot', {format: 'png'})).data;
-// Whether both show the same, at last: a frame becomes whole, and gets more rays.
-async function agree(one, other) {
-    for (const begin = Date.now(); Date.now() - begin < kPatience_ms;)
-        if (await pictureOf(one) === await pictureOf(other)) return true;
-    return false;
+// PSNR of two PNGs as base64, of the pixels that are no background in one of them.
+async function psnrOf(pngs) {
+    const kBackground = 0x18, [a, b] = await Promise.all(pngs.map(async png => {
+        const bitmap = await createImageBitmap(new Blob([Uint8Array.from(atob(png), letter => letter.charCodeAt(0))]));
+        const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d');
+        context.drawImage(bitmap, 0, 0);
+        return context.getImageData(0, 0, bitmap.width, bitmap.height).data;
+    }));
+    let sum = 0, count = 0;
+    for (let i = 0; i < a.length; ++i) {
+        if (i % 4 === 3 || (a[i] === kBackground && b[i] === kBackground)) continue;
+        sum += (a[i] - b[i]) ** 2;
+        ++count;
+    }
+    return count < 1000 ? 0 : Math.min(100, 10 * Math.log10(255 ** 2 / (sum / count)));
+}
+const compared = async (one, other) => other.evaluate(psnrOf, [await pictureOf(one), await pictureOf(other)]);
+// What both show has a PSNR of so much, at last: a frame becomes whole, and gets more rays.
+async function agreement(one, other) {
+    let value = 0;
+    for (const begin = Date.now(); value < kSame_db && Date.now() - begin < kPatience_ms;) value = await compared(one, other);
+    return value;
 }
 
-// {call, evaluate, requests, end}. `script` runs in the page before its own; `requests`: addresses that it has asked for.
+// What a page says that is not served, once that is seen; null: it says nothing.
+async function unserved() {
+    await new Promise(resolve => setTimeout(resolve, 1500));
+    const line = document.querySelector('.unserved');
+    if (!line) return null;
+    const {opacity, color} = getComputedStyle(line), {width, height} = line.getBoundingClientRect();
+    return opacity === '1' && color === 'rgb(255, 255, 255)' && width > 100 && height > 10 ? line.innerText : 'what is not seen';
+}
+
+// {call, go, evaluate, requests, problems, end}. `script` runs in the page before its own; `requests`: addresses that it has
+// asked for; `problems`: what the browser says of them on the console.
 async function openedPage(url, script) {
     const {browser, devTools, log, end} = started(['--window-size=400,400', 'about:blank']);
-    const {sessionId} = await devTools.page(), call = (method, params) => devTools.call(method, params, sessionId), requests = [];
+    const {sessionId} = await devTools.page(), call = (method, params) => devTools.call(method, params, sessionId), requests = [], problems = [];
     const ended = problem => () => {
         console.error(`wrong: ${url}: ${problem}\n${log()}`);
         process.exit(1);
@@ -84,20 +111,25 @@ async function openedPage(url, script) {
         if (exceptionDetails) throw new Error(`${url}: ${exceptionDetails.exception?.description ?? exceptionDetails.text}`);
         return result.value;
     };
-    const loaded = new Promise(resolve => devTools.listen('Page.loadEventFired', resolve));
+    const go = async to => {
+        const loaded = new Promise(resolve => devTools.listen('Page.loadEventFired', resolve));
+        await Promise.all([loaded, call('Page.navigate', {url: to})]);
+    };
+    devTools.listen('Log.entryAdded', ({entry}) => problems.push(`${entry.text} ${entry.url ?? ''}`));
     devTools.listen('Network.requestWillBeSent', ({request}) => requests.push(request.url));
     await call('Page.enable');
     await call('Network.enable');
+    await call('Log.enable');
     await call('Page.addScriptToEvaluateOnNewDocument', {source: `(${script})()`});
-    await Promise.all([loaded, call('Page.navigate', {url})]);
-    return {call, evaluate, requests, end: () => {
+    await go(url);
+    return {call, go, evaluate, requests, problems, end: () => {
         clearTimeout(timer);
         browser.off('exit', fail);
         return end();
     }};
 }
 
-const server = await serving({roots: [['/', path.join(folder, 'published')]]});
+const server = await serving({roots: [['/built/', built], ['/', path.join(folder, 'published')]]});
 const pages = [];
 try {
     pages.push(await openedPage(pathToFileURL(path.join(folder, 'a show.html')).href, listen));
@@ -108,14 +140,27 @@ try {
     expect(loudest >= 0.01, `what is heard has an amplitude of ${loudest}`);
     const states = await Promise.all(pages.map(page => page.evaluate(stand, 2)));
     expect(JSON.stringify(states[0]) === JSON.stringify(states[1]) && states[0].hasSound, `the pages say ${JSON.stringify(states)}`);
-    expect(await agree(one, other), 'the page of one file shows another picture');
+    const same_db = await agreement(one, other);
+    expect(same_db >= kSame_db, `the page of one file shows another picture: ${same_db.toFixed(1)} dB`);
     await one.evaluate(stand, 0);
     await new Promise(resolve => setTimeout(resolve, 1000));
-    expect(await pictureOf(one) !== await pictureOf(other), 'another frame looks the same');
+    const other_db = await compared(one, other);
+    console.log(`the same frame: ${same_db.toFixed(1)} dB; another one: ${other_db.toFixed(1)} dB`);
+    expect(other_db < kOther_db, `another frame looks the same: ${other_db.toFixed(1)} dB`);
     const end = await one.evaluate(playToEnd);
     expect(end === true, `the page does not play to its end: ${end}`);
     const outside = one.requests.filter(url => !url.startsWith('blob:')).slice(1);
     expect(one.requests[0]?.startsWith('file:') && outside.length === 0, `the page asks for ${outside}`);
+    expect(await other.evaluate(unserved) === null, 'a page that is served says that it is not');
+    const problems = pages.flatMap(page => page.problems);
+    expect(problems.length === 0 && server.missing.length === 0, `the console says ${problems}; asked for ${server.missing}`);
+    await other.go(`${server.address}/built/stage.html`);
+    expect(await other.evaluate(unserved) === null, 'a page of stages that is served says that it is not');
+    for (const page of [path.join(folder, 'published', 'index.html'), path.resolve(built, 'stage.html')]) {
+        await one.go(pathToFileURL(page).href);
+        const said = await one.evaluate(unserved);
+        expect(said?.includes('only from a server') && said.includes('tools/serve'), `${page} from the disk says ${said}`);
+    }
 } catch (error) {
     wrong.push(error.message);
 }

@@ -191,11 +191,11 @@ constexpr const char* kKindsHelp =
     "--as stand-ins: the stage as one .glb for programs that know no clips. Below each performer's node are splats of "
     "what it shows\nat --time, so that programs with KHR_gaussian_splatting show the whole stage, and others coloured "
     "points. In this program, it is\nthe stage with its clips, as before.\n\n"
-    "--as web: a folder for any file server, with a page that plays the stage. Clips become streams as by neuvv "
-    "publish, "
-    "with\ntheir visible paint; what is a stream is copied. The output says what browsers leave out. It takes the "
-    "player "
-    "that\n`tools/web/build build/web node_modules/three` has made, after `npm install three`.\n";
+    "--as web: a folder for any file server that answers ranges, with a page that plays the stage. Clips become "
+    "streams "
+    "as by neuvv\npublish, with their visible paint; what is a stream is copied. The output says what browsers leave "
+    "out. It takes the player that\n`tools/web/build build/web node_modules/three` has made, after `npm install "
+    "three`.\n";
 
 void add_frame_options(const Command& verb, ExportOptions& options) {
     verb.add_option("--performer", options.performer,

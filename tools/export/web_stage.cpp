@@ -7,12 +7,15 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "edit/operations.h"
+#include "render/clips/light_status.h"
+#include "stage/evaluated_stage.h"
 #include "stage/gltf/embedded.h"
 #include "stream/transport/byte_source.h"
 #include "tools/export/stage_kinds.h"
 #include "tools/publish/encode_scene.h"
 #include "tools/publish/published_files.h"
 #include "tools/publish/web_page.h"
+#include "tools/say.h"
 #include "voctree/files/clip.h"
 
 namespace neuvv::tools {
@@ -26,6 +29,19 @@ struct ShownStream {
     render::LayerFolders layers;  // of paint, that are written into it
     std::string name;             // in the folder
 };
+
+bool has_shadows_on_performers(const stage::Stage& stage) {
+    if (!stage.settings.falloff) return false;  // no light shines on them
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0);
+    return std::ranges::any_of(render::light_statuses(stage, evaluated), &render::LightStatus::casts_shadow) &&
+           std::ranges::any_of(evaluated.performers, [](const stage::EvaluatedPerformer& performer) {
+               return performer.visible && performer.receives_shadow;
+           });
+}
+
+std::string counted(size_t count, const char* what) {
+    return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
 
 class WebStage {
   public:
@@ -56,6 +72,7 @@ WebStage::WebStage(const std::string& path)
     : stage_(std::make_shared<const stage::Stage>(stage::load_stage(path))), file_(stage_->file) {
     leave_out_of_stage();
     for (uint32_t i = 0; i < stage_->performers.size(); ++i) add(i);
+    if (has_shadows_on_performers(*stage_)) left_out_.emplace_back("shadows on performers");
 }
 
 void WebStage::leave_out_of_stage() {
@@ -151,7 +168,8 @@ void WebStage::write(const ExportOptions& options, const CommonOptions& common, 
 
 std::string WebStage::summary() const {
     const auto shown = std::ranges::count_if(performers_, [](const auto& performer) { return !performer.is_null(); });
-    return fmt::format("{} streams and {} sounds of {} performers", streams_.size(), sounds_.size(), shown);
+    return fmt::format("{} and {} of {}", counted(streams_.size(), "stream"), counted(sounds_.size(), "sound"),
+                       counted(static_cast<size_t>(shown), "performer"));
 }
 
 }  // namespace
@@ -162,7 +180,8 @@ std::string write_web_stage(const ExportOptions& options, const CommonOptions& c
     const UnfinishedWebPage page("--output", folder, find_stage_player(), stage.files());
     stage.document(folder).write(page.path() / kPageStage, "make the set smaller");
     stage.write(options, common, page.path());
-    page.finish(std::filesystem::path(options.scene).stem().string());
+    const std::string title = std::filesystem::path(options.scene).stem().string();
+    if (const std::string note = page.finish(title); !note.empty()) say("{}\n", note);
     uint64_t bytes = 0;
     for (const std::string& name : page.files()) bytes += std::filesystem::file_size(folder / name);
     const std::string html = (folder / "index.html").string();

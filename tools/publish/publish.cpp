@@ -103,7 +103,7 @@ EncodedStream publish_page(const PublishOptions& options, const PublishedScene& 
     if (sound) own.push_back(page_sound.string());
     const UnfinishedWebPage page("--web", options.web, find_web_player(), own);
     const EncodedStream published = write_for_page(options, scene, common, sound, page.path() / kPageStream);
-    page.finish(title);
+    if (const std::string note = page.finish(title); !note.empty()) say("{}\n", note);
     return published;
 }
 
@@ -121,6 +121,7 @@ void report(const PublishOptions& options, const PublishedScene& scene, const En
         if (!options.web.empty()) json.update({{"web", options.web}, {"page", page}});
         json.update(
             {{"bytes", published.bytes}, {"frames", frames}, {"bytes_per_frame", bytes_per_frame}, {"mbps", mbps}});
+        if (options.is_one_file()) json["page_bytes"] = std::filesystem::file_size(page);
         if (!scene.layers.empty()) json["paint_layers"] = scene.layers.size();
         if (options.encoding.rate_mbps) json["most_mbps"] = published.most_mbps;
         if (published.psnr) json["psnr_db"] = *published.psnr;
@@ -166,8 +167,9 @@ void add_publish(Command app, CommonOptions& common) {
     Command result = verb.add_group("What is written");
     result.add_option("-o,--output", options->output, "The .nvs to write");
     result.add_option("--web", options->web,
-                      "A folder to write for any file server: the stream, and a page that plays it in browsers; or a "
-                      ".html of at most 20 MB that has all of it, which browsers open from the disk, too");
+                      "A folder to write for any file server that answers ranges: the stream, and a page that plays "
+                      "it in browsers; or a .html of at most 20 MB that has all of it, which browsers open from the "
+                      "disk, too");
     result.require_options(1, 1);
     add_up_option(verb, options->up);
     add_encoding_options(verb, options->encoding);
@@ -176,8 +178,8 @@ void add_publish(Command app, CommonOptions& common) {
         .show_default();
     verb.add_option("--size", options->encoding.size, "WIDTHxHEIGHT of them").show_default();
     verb.add_flag("--json", options->json,
-                  "Print JSON: output, page, bytes, frames, bytes_per_frame, mbps, most_mbps (of a group), psnr_db, "
-                  "paint_layers");
+                  "Print JSON: output, page, bytes (of the stream), page_bytes (of a page of one file), frames,\n"
+                  "bytes_per_frame, mbps, most_mbps (of a group), psnr_db, paint_layers");
     verb.footer(
         {"A stream has every frame as it is shown. It is played as the clip is, but it cannot be trained on or "
          "painted,\nand between two frames it shows the nearer one. Segments that overlap do not fade into each other "

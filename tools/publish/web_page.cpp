@@ -27,6 +27,7 @@ constexpr const char* kPlayerList = "player.json";
 constexpr const char* kPlayerWrittenBy = "tools/web/build";
 constexpr const char* kPageList = "published.json";
 constexpr const char* kPageWrittenBy = "neuvv publish";
+constexpr const char* kPageHtml = "index_html";  // member of the list: the page as it was written
 constexpr const char* kPage = "index.html";
 constexpr const char *kPageOfStages = "stage.html", *kPageOfOneFile = "one_file.html";  // in the player's folder
 
@@ -88,9 +89,19 @@ void expect_folder_name(const std::string& option, const std::filesystem::path& 
                              "leave the ending out; one file: neuvv publish CLIP --web NAME.html");
 }
 
+std::string text_of(const std::filesystem::path& file) {
+    const std::vector<uint8_t> bytes = read_file(file);
+    return {bytes.begin(), bytes.end()};
+}
+
+struct EarlierPage {
+    std::vector<std::string> files;
+    std::string html;  // of index.html, as it was written
+};
+
 // A folder without the list of an earlier page must be empty, but for what a run that was killed left there. Beside an
 // earlier page, other files may lie, which stay.
-std::vector<std::string> files_of_earlier_page(const std::string& option, const std::filesystem::path& folder) {
+EarlierPage earlier_page(const std::string& option, const std::filesystem::path& folder) {
     std::error_code error;
     bool empty = true;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
@@ -100,7 +111,9 @@ std::vector<std::string> files_of_earlier_page(const std::string& option, const 
         throw InputError(option, folder.string(), "holds other files than a published page",
                          "choose an empty folder or a new one");
     expect_replaceable(option, folder);
-    return listed_files(read_list(folder / kPageList, kPageWrittenBy).root()["files"], folder);
+    const JsonFile list = read_list(folder / kPageList, kPageWrittenBy);
+    return {listed_files(list.root()["files"], folder),
+            list.document.contains(kPageHtml) ? json_string(list.root()[kPageHtml]) : ""};
 }
 
 // The player whose page has this name. Whether the program can make a page of it is seen before any work.
@@ -127,8 +140,7 @@ WebPlayer find_player(const std::string& page_name) {
         if (!std::filesystem::is_regular_file(player.folder / name, error))
             throw InputError(player.folder.string(), "", fmt::format("{} of the player is not there", name),
                              "run tools/web/build");
-    const std::vector<uint8_t> page = read_file(player.folder / page_name);
-    player.page.assign(page.begin(), page.end());
+    player.page = text_of(player.folder / page_name);
     page_of(player, "", true);
     std::erase(player.files, page_name);
     if (!contains(player.files, kPage)) player.files.emplace_back(kPage);
@@ -178,7 +190,9 @@ UnfinishedWebPage::UnfinishedWebPage(std::string option, std::filesystem::path f
     names_.emplace_back(kPageList);
     names_.insert(names_.end(), own.begin(), own.end());
     prepare_output_folder(option_, folder_);
-    replaced_ = files_of_earlier_page(option_, folder_);
+    EarlierPage earlier = earlier_page(option_, folder_);
+    replaced_ = std::move(earlier.files);
+    earlier_html_ = std::move(earlier.html);
     std::error_code error;
     for (const std::string& name : names_)
         if (!contains(replaced_, name) && std::filesystem::exists(folder_ / name, error))
@@ -189,18 +203,27 @@ UnfinishedWebPage::UnfinishedWebPage(std::string option, std::filesystem::path f
     files_.emplace(folder_);
 }
 
-void UnfinishedWebPage::finish(const std::string& title) const {
+bool UnfinishedWebPage::is_edited() const {
+    return std::filesystem::exists(folder_ / kPage) && text_of(folder_ / kPage) != earlier_html_;
+}
+
+std::string UnfinishedWebPage::finish(const std::string& title) const {
+    const bool has_sound = contains(names_, voctree::sound_file(kPageStream).string());
+    const std::string html = page_of(player_, title, has_sound);
+    bool stays = false;
     try {
         for (const std::string& name : player_.files) {
             std::filesystem::create_directories((path() / name).parent_path());
             if (name != kPage) std::filesystem::copy_file(player_.folder / name, path() / name);
         }
-        write_text_file(path() / kPageList, json_text({{"written_by", kPageWrittenBy}, {"files", names_}}));
+        write_text_file(path() / kPageList,
+                        json_text({{"written_by", kPageWrittenBy}, {"files", names_}, {kPageHtml, html}}));
         // While there is no page, nothing looks finished; while there is a list, --overwrite may replace what is there.
-        std::filesystem::remove(folder_ / kPage);
+        stays = is_edited();
+        if (!stays) std::filesystem::remove(folder_ / kPage);
         for (const std::string& name : replaced_) {
             std::error_code others;  // lie in its folder, which then stays
-            if (name != kPageList) std::filesystem::remove(folder_ / name);
+            if (name != kPageList && name != kPage) std::filesystem::remove(folder_ / name);
             std::filesystem::remove((folder_ / name).parent_path(), others);
         }
         std::filesystem::rename(path() / kPageList, folder_ / kPageList);
@@ -212,8 +235,11 @@ void UnfinishedWebPage::finish(const std::string& title) const {
     } catch (const std::filesystem::filesystem_error& error) {
         throw RuntimeFailure(fmt::format("{}: cannot be written: {}", folder_.string(), error.code().message()));
     }
-    const bool has_sound = contains(names_, voctree::sound_file(kPageStream).string());
-    write_text_file(folder_ / kPage, page_of(player_, title, has_sound));
+    if (stays)
+        return fmt::format("{}: was edited, and stays as it is; for the page of {}, move it elsewhere and repeat",
+                           (folder_ / kPage).string(), title);
+    write_text_file(folder_ / kPage, html);
+    return "";
 }
 
 }  // namespace neuvv::tools

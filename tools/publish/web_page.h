@@ -45,17 +45,22 @@ class UnfinishedWebPage {
                       const std::vector<std::string>& own);
 
     std::filesystem::path path() const { return files_->path(); }
-    // Removes an earlier page, and moves this one into its place, the page itself last. Throws RuntimeFailure.
-    void finish(const std::string& title) const;
+    // Removes an earlier page, and moves this one into its place, the page itself last. An earlier index.html that is
+    // not as it was written stays. Returns a line that says so, or nothing. Throws RuntimeFailure.
+    [[nodiscard]] std::string finish(const std::string& title) const;
     // Names in the folder.
     const std::vector<std::string>& files() const { return names_; }
 
   private:
+    // Whether somebody has changed the index.html that is there.
+    bool is_edited() const;
+
     std::string option_;
     std::filesystem::path folder_;
     WebPlayer player_;
     std::vector<std::string> names_;        // of all files that are written
     std::vector<std::string> replaced_;     // of those of the earlier page
+    std::string earlier_html_;              // of its index.html, as it was written; empty where that is not known
     std::optional<UnfinishedFiles> files_;  // once it is known that the folder may be written
 };
 

@@ -1,10 +1,14 @@
 #include "web/time_map.h"
 
+#include <fmt/format.h>
+
 #include <memory>
 #include <new>
 #include <string>
 
 #include "base/error.h"
+#include "base/text.h"
+#include "stage/performer_settings.h"
 #include "stage/time_map.h"
 
 struct NeuvvTimeMap {
@@ -15,10 +19,14 @@ struct NeuvvTimeMap {
 namespace {
 
 std::unique_ptr<NeuvvTimeMap> time_map_of(const std::string& text, uint32_t frames, double fps) {
-    const char* const file = "time map";
+    const char *const file = neuvv::stage::kPerformerExtension, *const place = "time";
     auto map = std::make_unique<NeuvvTimeMap>();
     try {
-        map->timeline = neuvv::stage::timeline_of(neuvv::stage::parse_time_map(text, file, ""), frames, fps, file, "");
+        const std::vector<std::string> operators = neuvv::split(text, ',');
+        for (size_t i = 0; i < operators.size(); ++i)  // so that an error says which it is
+            neuvv::stage::parse_time_map(operators[i], file, fmt::format("{}/{}", place, i));
+        map->timeline =
+            neuvv::stage::timeline_of(neuvv::stage::parse_time_map(text, file, place), frames, fps, file, place);
     } catch (const neuvv::InputError& error) {
         map->error = error.what();
     }

@@ -51,7 +51,7 @@ const std::vector<VerbForm>& table() {
          {{Kind::kInput, "clip", "", "", {".nvv", ".npz", ".gltf", ".glb"}},
           {Kind::kOutput, "into", "-o", ".nvs", {".nvs"}},
           {Kind::kText, "quality", "--quality", "47", {}, "PSNR in dB that images keep at least"}},
-         "A stream has a quarter of the clip's bytes or less, and plays from any file server."},
+         "A stream has a quarter of the clip's bytes or less, and plays from any file server that answers ranges."},
         {"export",
          "Export frames",
          {{Kind::kInput, "clip", "", "", {".nvv", ".nvs", ".npz", ".gltf", ".glb"}},

@@ -1,4 +1,6 @@
 // The page's player shows the stream that its address names: index.html?src=show.nvs
 import './neuvv-player.js';
 
-document.querySelector('neuvv-player').src = new URLSearchParams(location.search).get('src') ?? 'show.nvs';
+const player = document.querySelector('neuvv-player');
+player.replaceChildren();  // what is said where scripts do not run
+player.src = new URLSearchParams(location.search).get('src') ?? 'show.nvs';

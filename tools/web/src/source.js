@@ -17,6 +17,10 @@ const later = (milliseconds, signal) => new Promise(resolve => {
     signal.addEventListener('abort', resolve);
 });
 const isPassing = status => status === 429 || status >= 500;
+function problemOfStatus(status) {
+    if (status === 200) return 'the server does not answer requests for ranges of bytes';
+    return `the server answers ${status}${status === 404 || status === 410 ? ': there is no such file; check the address' : ''}`;
+}
 
 /** Reads ranges of a file in blocks of 4 KiB, of which it keeps 64 MiB. A request that brings nothing is made four times. */
 export class RangeSource {
@@ -227,9 +231,8 @@ export class RangeSource {
                     take(piece);
                 });
             answer.body?.cancel();
-            const problem = answer.status === 200 ? 'the server does not answer requests for ranges of bytes' : `the server answers ${answer.status}`;
             const mayPass = isPassing(answer.status) || (answer.status === 200 && this.size < Infinity);  // it has answered them
-            throw Object.assign(new StreamError(problem), {isFinal: !mayPass});
+            throw Object.assign(new StreamError(problemOfStatus(answer.status)), {isFinal: !mayPass});
         } catch (error) {
             if (error instanceof StreamError) throw error;
             const mayBeForbidden = !stop.signal.aborted && this.#url.origin !== globalThis.location?.origin;
