@@ -193,8 +193,8 @@ constexpr const char* kKindsHelp =
     "points. In this program, it is\nthe stage with its clips, as before.\n\n"
     "--as web: a folder for any file server that answers ranges, with a page that plays the stage. Clips become "
     "streams "
-    "as by neuvv\npublish, with their visible paint; what is a stream is copied. The output says what browsers leave "
-    "out. It takes the player that\n`tools/web/build build/web node_modules/three` has made, after `npm install "
+    "as by\nneuvv publish, with their visible paint; what is a stream is copied. The output says what browsers leave "
+    "out. It takes the player\nthat `tools/web/build build/web node_modules/three` has made, after `npm install "
     "three`.\n";
 
 void add_frame_options(const Command& verb, ExportOptions& options) {
