@@ -97,7 +97,8 @@ async function unserved() {
 // asked for; `problems`: what the browser says of them on the console.
 async function openedPage(url, script) {
     const {browser, devTools, log, end} = started(['--window-size=400,400', 'about:blank']);
-    const {sessionId} = await devTools.page(), call = (method, params) => devTools.call(method, params, sessionId), requests = [], problems = [];
+    const {sessionId} = await devTools.page(), requests = [], problems = [];
+    const call = (method, params) => devTools.call(method, params, sessionId);
     const ended = problem => () => {
         console.error(`wrong: ${url}: ${problem}\n${log()}`);
         process.exit(1);

@@ -81,7 +81,8 @@ if (!results.problem) {
     console.log(`first frame of the element: ${results.first_ms.toFixed(0)} ms, ${Math.round(results.first_bytes / 1000)} KB of the stream`);
     expect(results.first_bytes > 0, 'no bytes were counted');
     expect(results.first_bytes <= kMostFirst_bytes, `${results.first_bytes} bytes are fetched for the first picture`);
-    const kProblems = {'/missing.nvs': '404: there is no such file; check the address', '/empty.nvs': 'is empty', '/page.nvs': 'a web page', '/damaged.nvs': 'is damaged',
+    const kProblems = {'/missing.nvs': '404: there is no such file; check the address',
+                       '/empty.nvs': 'is empty', '/page.nvs': 'a web page', '/damaged.nvs': 'is damaged',
                        '/elsewhere.nvs': 'is damaged', '/short.nvs': 'ends early', '/whole/stream.nvs': 'ranges'};
     expect(results.views.length === 6 && results.frames === frames, 'views or frames are missing');
     for (const [url, text] of Object.entries(kProblems))

@@ -1,7 +1,7 @@
 // A player whose server does not do what it should. The player's own times pass twenty times as fast here.
 import {pixels, psnr} from './images.js';
 
-const kFaster = 20, kMost_ms = 20000, kSeconds = 5;  // of the stream
+const kFaster = 20, kMost_ms = 20000, kStands_ms = 500, kSeconds = 5;  // of the stream
 const kSize = 160, kSame_db = 20;  // pixels; more rays are sent through an image that stands still
 const setTimeoutOfBrowser = setTimeout;
 window.setTimeout = (run, milliseconds = 0) => setTimeoutOfBrowser(run, milliseconds / kFaster);
@@ -60,6 +60,15 @@ const goesOn = async player => {
     await until(() => player.currentTime !== currentTime && player.readyState >= 2, 'another time');
 };
 
+// Until its time has not gone on for a moment: on a machine that is busy, it also waits for frames that come.
+async function standing(player) {
+    let [time, since] = [player.currentTime, performance.now()];
+    await until(() => {
+        if (player.currentTime !== time) [time, since] = [player.currentTime, performance.now()];
+        return performance.now() - since > kStands_ms;
+    }, 'a time that stands still');
+}
+
 // It waits with its last image, and goes on by itself.
 async function waits(way) {
     what = `a server that ${way}`;
@@ -67,6 +76,7 @@ async function waits(way) {
     const waiting = event(player, 'waiting');
     await server(way);
     await waiting;
+    await standing(player);
     const {currentTime} = player, before = await imageOf(player);
     await later(200);
     expect(player.currentTime === currentTime && !player.paused && !player.error, 'the time does not stand still');

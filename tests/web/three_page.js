@@ -244,8 +244,8 @@ async function mapTimes() {
     }
     const json = [{operator: 'pause', at: '3f', for: '1.5s'}, {operator: 'loop', from: '0s', to: '2s'}, {operator: 'speed', factor: 0.5}];
     expect(timeMapText(json) === 'pause:3f:1.5s,loop:0s:2s,speed:0.5', `JSON becomes ${timeMapText(json)}`);
-    const kProblems = {'lo op': 'lo op', 'loop,reverse': 'time/1: needs an end', 'reverse,offset:0x3f': 'time/1: "0x3f" is no time', 'offset:1f2f': 'time/0: "1f2f" is no time',
-                       'loop:5f:5f': 'time/0: '};
+    const kProblems = {'lo op': 'lo op', 'loop,reverse': 'time/1: needs an end', 'reverse,offset:0x3f': 'time/1: "0x3f" is no time',
+                       'offset:1f2f': 'time/0: "1f2f" is no time', 'loop:5f:5f': 'time/0: '};
     for (const [text, problem] of Object.entries(kProblems)) {
         const said = await TimeMap.of(text, 10, 25).then(() => 'nothing', error => error.message);
         expect(said.includes(problem), `${text}: "${said}" does not say "${problem}"`);
