@@ -259,10 +259,10 @@ export const playing = Base => class extends Base {
         const late_s = this.#time >= over_s ? this.#time - over_s : this.#time + this.duration - over_s;
         return this.#isWaiting || this.#seeking || this.#queue.shown < 0 || late_s > kMostLate_s * this.#rate;
     }
-    // The frame of this time and those after it, of which the fewest are held where time stands still.
+    // The frame of this time and those after it.
     #due() {
         const count = this.#reader.frames.length, first = this.#frameOf(this.#time), due = [];
-        for (let i = 0; i <= Math.min(this.#queue.ahead(this.#paused ? 0 : this.#rate), count - 1); ++i)
+        for (let i = 0; i <= Math.min(this.#queue.ahead(this.#rate), count - 1); ++i)
             if (this.loop || first + i < count) due.push((first + i) % count);
         return due;
     }
