@@ -10,15 +10,20 @@ import {repeatedGroup} from './streams.mjs';
 const built = path.resolve(process.env.BUILT);
 const stream = repeatedGroup(fs.readFileSync(process.env.STREAM), 20, 20, await import(`${built}/nvs.js`));
 const later = milliseconds => new Promise(resolve => setTimeout(resolve, milliseconds));
+async function until(done) {
+    for (const begin = Date.now(); !done() && Date.now() - begin < 10000;) await later(1);
+}
 
 // Node has no workers as browsers have them, and reads no files by fetch.
 const decoded = [];  // the requests for decoding
+let damaged = null;  // of so many parts, all frames are
 globalThis.navigator ??= {hardwareConcurrency: 2};
 globalThis.Worker = class {
     postMessage({id, module, partCount}) {
         if (module) return;
         decoded.push(partCount);
-        setTimeout(() => this.onmessage({data: {id, tree: {}, times: {shapes: 1}}}));
+        const answer = partCount === damaged ? {error: 'a frame is damaged'} : {tree: {}, times: {shapes: 1}};
+        setTimeout(() => this.onmessage({data: {id, ...answer}}));
     }
     terminate() {}
 };
@@ -30,6 +35,7 @@ globalThis.fetch = (url, options) => {
 };
 const {FrameQueue} = await import(`${built}/frame_queue.js`);
 const {FrameReader} = await import(`${built}/frames.js`);
+const {kBeginnings, kLeastParts} = await import(`${built}/nvs.js`);
 
 // A reader of 1000 frames, each of which comes when it is told to.
 function fakeReader() {
@@ -176,21 +182,22 @@ test('what is not wanted any more is not decoded', async context => {
 
 test('a read that ends leaves others what they wait for', async context => {
     const {RangeSource} = await import(`${built}/source.js`);
-    const server = await serve(40, context), source = new RangeSource(server.url);
+    const server = await serve(400, context), source = new RangeSource(server.url);
     const first = new AbortController(), second = new AbortController();
     const one = source.read(0, 1000, first.signal), two = source.read(100, 1000, second.signal);
-    await later(5);
+    await until(() => server.counts.asked === 1);
     first.abort();
     await assert.rejects(one, {name: 'AbortError'});
     assert.deepStrictEqual(Buffer.from(await two), stream.subarray(100, 1100));
     assert.deepStrictEqual({...server.counts}, {asked: 1, ended: 0});
     const again = new RangeSource(server.url), third = new AbortController();
     const three = again.read(0, 1000, third.signal);
-    await later(5);
+    await until(() => server.counts.asked === 2);
     third.abort();
     const four = again.read(0, 1000);  // at once after what ended
     await assert.rejects(three, {name: 'AbortError'});
     assert.deepStrictEqual(Buffer.from(await four), stream.subarray(0, 1000));
+    await until(() => server.counts.ended > 0);
     assert.deepStrictEqual({...server.counts}, {asked: 3, ended: 1});
 });
 
@@ -225,4 +232,24 @@ test('a head or a part that came damaged is asked for once more', async context 
     caches.length = 0;
     await assert.rejects(FrameReader.open(server.url), {message: /no \.nvs stream/});
     assert.strictEqual(caches.length, 2);
+});
+
+test('a first picture that came damaged is drawn from the whole part, which has a check', async context => {
+    const server = await serve(0, context), reader = await FrameReader.open(server.url), {firstBytes} = FrameReader;
+    context.after(() => {
+        FrameReader.firstBytes = firstBytes;
+        damaged = null;
+        reader.end();
+    });
+    FrameReader.firstBytes = reader.frames[0].parts[1].bytes / 2;
+    damaged = kBeginnings;
+    decoded.length = caches.length = 0;
+    await reader.tree(0, kBeginnings);
+    assert.deepStrictEqual(decoded, [kBeginnings, kLeastParts]);
+    assert(caches.includes('reload'), 'what was damaged comes anew');
+    damaged = kLeastParts;
+    await assert.rejects(reader.tree(0, kLeastParts), {message: 'a frame is damaged'});
+    const stop = new AbortController(), tree = reader.tree(0, kBeginnings, stop.signal);
+    stop.abort();
+    await assert.rejects(tree, {name: 'AbortError'});
 });

@@ -82,16 +82,17 @@ function joined(all) {
 
 // The head of a stream, as readHead has it. A browser may keep one that came damaged: the server is asked once more.
 async function headOf(source, isLast = false) {
-    const first = await source.begin();
-    let size = first.length;
+    let bytes = await source.begin();
     try {
-        size = headBytes(first, source.size);
-        const head = readHead(await source.read(0, size));
+        const size = headBytes(bytes, source.size);
+        bytes = await source.read(0, size);
+        const head = readHead(bytes);
         if (source.size < head.end) throw new StreamError('the file ends early');
         return head;
     } catch (error) {
         if (isLast) throw error;
-        source.forget(0, size);
+        source.forget(0, bytes.length);
+        source.tryAgain();  // what it knows of the file may be wrong, too
         return headOf(source, true);
     }
 }
@@ -139,7 +140,11 @@ export class FrameReader {
         const result = decoder.turn.then(() => this.#decoded(decoder, frame, partCount, request, signal));
         decoder.turn = result.catch(() => {}).finally(() => --decoder.load);
         if (this.#readsAhead) this.#readAhead(frame, partCount, user);
-        const {boxMin, boxSize} = this.frames[frame].group, answer = await result;
+        const {boxMin, boxSize} = this.frames[frame].group, answer = await result.catch(error => {
+            // Beginnings have no check of their own, so that damaged ones are found out late: the whole part has one.
+            if (partCount !== kBeginnings || signal?.aborted || !(error instanceof StreamError)) throw error;
+            return this.tree(frame, kLeastParts, signal, user);
+        });
         this.#readsAhead = true;  // nothing shall come before the first frame that is shown
         return {...answer, boxMin, boxSize};
     }

@@ -45,6 +45,7 @@ export class RangeSource {
             const at = (first + i) * kBlock, end = Math.min(begin + bytes - at, kBlock);
             if (from.length < end) {
                 this.forget(at, end);
+                this.size = Infinity;  // it may have been told wrong
                 throw new StreamError('the file ends early');
             }
             result.set(from.subarray(Math.max(begin - at, 0), end), Math.max(at - begin, 0));
@@ -80,7 +81,6 @@ export class RangeSource {
             else if (one.isThere) wrong.add(one.request);  // else it comes anew already
         }
         for (const block of this.#forgetAll(wrong)) this.#damaged.add(block);
-        this.size = Infinity;  // it may have been told wrong
     }
     /** The first bytes, at most 4 KiB; what is asked for of those behind them comes with them. */
     begin() { return this.#request(0, 0, false)[0].bytes; }
