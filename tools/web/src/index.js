@@ -2,5 +2,4 @@
 import './neuvv-player.js';
 
 const player = document.querySelector('neuvv-player');
-player.replaceChildren();  // what is said where scripts do not run
 player.src = new URLSearchParams(location.search).get('src') ?? 'show.nvs';

@@ -5,7 +5,6 @@ const kMostDensity = 2;  // pixels across and down of a pixel of the page
 const kAngle = 40;       // degrees from the top to the bottom of the image, where the stage has no camera
 const kUsualView = {position: [0, 1.6, 4], target: [0, 1, 0]};  // metres
 
-document.querySelector('.unserved')?.remove();  // what is said where scripts do not run
 const problem = document.body.appendChild(Object.assign(document.createElement('div'), {className: 'problem', role: 'alert'}));
 const say = text => problem.textContent = text;
 problem.addEventListener('click', () => say(''));  // it covers a part of the stage
