@@ -190,7 +190,7 @@ async function useElement(stream) {
     player.budget = 1;
     await fewer;
     results.element.budget = {leaves: player.budget, time: player.currentTime / whole, isPaused: player.paused};
-    results.warnings = await warningsOf(player, ['abc', '', -1, NaN, 0.5, 0, 1000, null]);
+    results.warnings = await warningsOf(player, ['abc', ' ', -1, NaN, 0.5, 0, 1000.5, null]);
     results.element.recovers = player.shadowRoot.querySelector('.problem').textContent === '';
     const parent = player.parentNode;
     player.remove();

@@ -7,10 +7,10 @@ const kMostLate_s = 0.25;      // what is shown may be over for so long before t
 const kPull = 0.2;             // of the way to where the sound is, an image
 const kMostStep = 250;         // milliseconds; a page that was hidden goes on where it was
 
-/** How many leaves a budget allows: a whole number below 2^32; 0: all. Null where it is something else. */
+/** How many leaves a budget allows: a number below 2^32, without its fraction; 0: all. Null where it is something else. */
 export function leavesOf(budget) {
-    const leaves = budget === '' ? NaN : Number(budget);
-    return Number.isInteger(leaves) && leaves >= 0 && leaves < 2 ** 32 ? leaves : null;
+    const leaves = String(budget).trim() === '' ? NaN : Number(budget);
+    return leaves === 0 || (leaves >= 1 && leaves < 2 ** 32) ? Math.floor(leaves) : null;
 }
 
 /** What HTMLMediaElement calls TimeRanges, of [begin, end) in seconds. */
@@ -30,7 +30,7 @@ export const playing = Base => class extends Base {
     #start_s = 0;     // where a stream that is opened begins
     #starting = [];   // promises of play()
     #wanted = null;   // what open() was told last
-    #hasEnded = false;  // by end()
+    #isDisposed = false;  // by end()
     #sound = new Sound(() => this.#tell('volumechange'));
     /** What was wrong last: an Error, or null. */
     error = null;
@@ -96,10 +96,10 @@ export const playing = Base => class extends Base {
 
     /**
      * What could not be read is asked for again. Returns a promise, as HTMLMediaElement's does: it resolves when the
-     * stream plays, and rejects where it is paused, ended or cannot be read before.
+     * stream plays, and rejects where it is paused, disposed of or cannot be read before.
      */
     play() {
-        if (this.#hasEnded) return Promise.reject(new DOMException('play() was called after dispose()', 'AbortError'));
+        if (this.#isDisposed) return Promise.reject(new DOMException('play() was called after dispose()', 'AbortError'));
         if (this.error && !this.#wanted) return Promise.reject(this.error);  // which no stream has
         const started = this.#paused || this.#isWaiting ? new Promise((resolve, reject) => this.#starting.push({resolve, reject})) : Promise.resolve();
         if (this.#paused) this.#begin();
@@ -137,7 +137,7 @@ export const playing = Base => class extends Base {
         if (this.#reader) this.close();
         const opening = ++this.#opening, leaves = leavesOf(budget);
         this.#isOpening = true;
-        this.#hasEnded = false;
+        this.#isDisposed = false;
         this.#wanted = [url, soundUrl, leaves ?? 0];
         if (leaves === null) console.warn(`NeuVV: the budget "${budget}" is no number of leaves, so all are shown; 0 says so, too`);
         try {
@@ -157,12 +157,12 @@ export const playing = Base => class extends Base {
     }
     /** Ends the stream that is open, or being opened, and pauses. */
     close() {
-        this.#hasEnded = false;
+        this.#isDisposed = false;
         this.#close('play() was ended by another stream');
     }
     /** The same where none is to be opened: play() rejects until close() or open() is called. */
     end() {
-        this.#hasEnded = true;
+        this.#isDisposed = true;
         this.#close('play() was ended by dispose()');
     }
     #close(why) {
