@@ -171,20 +171,21 @@ TEST_F(CliWebPage, AnEditedPageStays) {
     write_text(web + "/index.html", "mine");
     ProgramResult run = publish(stream, {"--overwrite"});
     EXPECT_EQ(run.code, 0) << run.err;
-    EXPECT_NE(run.err.find(web + "/index.html: was edited, and stays"), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find(web + "/index.html: is not as it was written, and stays"), std::string::npos) << run.err;
     EXPECT_EQ(page(), "mine");
     expect_published(stream, {"--overwrite"});
     EXPECT_EQ(page(), "mine") << "also the next time";
     std::filesystem::remove(web + "/index.html");
     run = publish(stream, {"--overwrite"});
-    EXPECT_EQ(run.err.find("was edited"), std::string::npos) << run.err;
+    EXPECT_EQ(run.err.find("not as it was written"), std::string::npos) << run.err;
     EXPECT_NE(page(), "mine");
     auto list = nlohmann::json::parse(read_text(web + "/published.json"));
     list.erase("index_html");
     write_text(web + "/published.json", list.dump());
     const std::string before = page();
     run = publish(stream, {"--overwrite"});
-    EXPECT_NE(run.err.find("was edited"), std::string::npos) << "a list does not say what was written: " << run.err;
+    EXPECT_NE(run.err.find("not as it was written"), std::string::npos)
+        << "a list does not say what was written: " << run.err;
     EXPECT_EQ(page(), before);
 }
 

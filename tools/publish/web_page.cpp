@@ -204,7 +204,12 @@ UnfinishedWebPage::UnfinishedWebPage(std::string option, std::filesystem::path f
 }
 
 bool UnfinishedWebPage::is_edited() const {
-    return std::filesystem::exists(folder_ / kPage) && text_of(folder_ / kPage) != earlier_html_;
+    if (!std::filesystem::exists(folder_ / kPage)) return false;
+    try {
+        return text_of(folder_ / kPage) != earlier_html_;
+    } catch (const InputError&) {
+        return true;  // it cannot be read
+    }
 }
 
 std::string UnfinishedWebPage::finish(const std::string& title) const {
@@ -218,7 +223,8 @@ std::string UnfinishedWebPage::finish(const std::string& title) const {
         }
         write_text_file(path() / kPageList,
                         json_text({{"written_by", kPageWrittenBy}, {"files", names_}, {kPageHtml, html}}));
-        // While there is no page, nothing looks finished; while there is a list, --overwrite may replace what is there.
+        // While there is no page, nothing looks finished, but for one that somebody has edited; while there is a list,
+        // --overwrite may replace what is there.
         stays = is_edited();
         if (!stays) std::filesystem::remove(folder_ / kPage);
         for (const std::string& name : replaced_) {
@@ -236,7 +242,7 @@ std::string UnfinishedWebPage::finish(const std::string& title) const {
         throw RuntimeFailure(fmt::format("{}: cannot be written: {}", folder_.string(), error.code().message()));
     }
     if (stays)
-        return fmt::format("{}: was edited, and stays as it is; for the page of {}, move it elsewhere and repeat",
+        return fmt::format("{}: is not as it was written, and stays; for the page of {}, move it elsewhere and repeat",
                            (folder_ / kPage).string(), title);
     write_text_file(folder_ / kPage, html);
     return "";
