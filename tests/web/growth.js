@@ -3,7 +3,7 @@ import '/memories.js';
 import {NeuvvPlayer} from '/neuvv-player.js';
 
 const kPlay_s = 10, kSettled_s = 2, kAt_s = 0.2;  // the frame's time
-const minutes = Number(new URLSearchParams(location.search).get('minutes')), results = {counts: []};
+const minutes = Number(new URLSearchParams(location.search).get('minutes')), results = {};
 const later = seconds => new Promise(resolve => setTimeout(resolve, 1000 * seconds));
 
 let textures = 0;
@@ -41,8 +41,7 @@ try {
         await player.play();
         await later(kPlay_s);
         await standStill(player);
-        const held = await (await fetch('/held', {method: 'POST', body: '{}'})).json();
-        results.counts.push({...held, textures, frames, seconds: (performance.now() - begin) / 1000});
+        await fetch('/count', {method: 'POST', body: JSON.stringify({textures, frames, seconds: (performance.now() - begin) / 1000})});
     }
 } catch (error) {
     results.problem = `${error.message}\n${error.stack}`;
