@@ -34,7 +34,7 @@ struct StageStreamTest : GpuTest, ServedStream {
     }
     double now_s = 0;
     // Follows the stage at times that `next` gives until `done`; false after a minute. Each step takes 2 ms of its
-    // clock, however busy the machine is: on one that was, frames stood for a quarter of a second.
+    // clock, however busy the machine is: of a frame that stands for a quarter of a second, all is wanted.
     bool follow(render::StageClips& clips, const std::function<double()>& next, const std::function<bool()>& done) {
         for (int i = 0; i < 30'000 && !done(); ++i) {
             clips.follow(*stage, stage::stage_at(*stage, next()), render::MissingSegments::kHold, now_s += 0.002);
