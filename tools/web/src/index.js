@@ -1,5 +1,4 @@
 // The page's player shows the stream that its address names: index.html?src=show.nvs
 import './neuvv-player.js';
 
-const player = document.querySelector('neuvv-player');
-player.src = new URLSearchParams(location.search).get('src') ?? 'show.nvs';
+document.querySelector('neuvv-player').src = new URLSearchParams(location.search).get('src') ?? 'show.nvs';

@@ -100,7 +100,7 @@ export const playing = Base => class extends Base {
      */
     play() {
         if (this.#isDisposed) return Promise.reject(new DOMException('play() was called after dispose()', 'AbortError'));
-        if (this.error && !this.#wanted) return Promise.reject(this.error);  // which no stream has
+        if (this.error && !this.#wanted) return Promise.reject(this.error);  // no stream was opened
         const started = this.#paused || this.#isWaiting ? new Promise((resolve, reject) => this.#starting.push({resolve, reject})) : Promise.resolve();
         if (this.#paused) this.#begin();
         return started;
